@@ -32,9 +32,7 @@ BEFORE = (
 AFTER = (
     "\nIn {same} of {all} recorded steps every joint stands at the same angle under both rewards. Yet an "
     "episode is paid {times} times as much under 'arp'. All of that is rescaling: 'arp' pays the same movements with "
-    "larger numbers. The harness keeps the two apart.\n"
-)
-ANSWER = (
+    "larger numbers. The harness keeps the two apart.\n\n"
     "NO DIFFERENCE stands there because every step is the same. Where robots learn, steps differ, and a test decides: "
     "the answer can be HELPS, HURTS, NO DIFFERENCE or CANNOT TELL.\n"
 )
@@ -116,7 +114,6 @@ def _show(results: "Results") -> None:
     pay = comparison.number.pay
     times = format_number(None if pay is None else pay.ratio.eta.value)
     show(Text(AFTER.format(same=f"{same:,}", all=f"{recorded:,}", times=times)))
-    show(Text(ANSWER))
     make_table_and_page(results)
     details = command_text("harness", "report", results.folder, "--details")
     say(ONWARD.format(page=command_text(results.folder / REPORT), details=details))

@@ -13,6 +13,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
 from harness.cli.output import say
+from harness.errors import UsageError
 from harness.registry.spec import did_you_mean
 from harness.text import visible
 
@@ -90,6 +91,12 @@ GONE: Mapping[str, str] = MappingProxyType(
 
 class Command(TyperCommand):
     """A command whose help keeps the lines of its examples."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Called with what was typed: a shell makes several words of a pattern without quotes."""
+        if any(word == "--plugin" and after.endswith(".py") for word, after in zip(args, args[2:], strict=False)):
+            raise UsageError("--plugin takes one file: repeat it, or quote a pattern of files, as in 'rewards/*.py'")
+        return super().parse_args(ctx, args)
 
     def get_help(self, ctx: Any) -> str:
         """Called for the whole text, which plugins wrote parts of."""

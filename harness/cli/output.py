@@ -182,20 +182,15 @@ def make_table_and_page(results: "Results", err: bool = False) -> None:
     say(f"Results: {results.folder}", err)
     try:
         with storage_errors(results.folder):
-            _draw_frames(results)
+            if results.in_environment:  # episodes of the policies that are compared, drawn for the page
+                from harness.experiment.environments.frames import draw_frames
+                from harness.experiment.workers.workers import core_count
+
+                draw_frames(results, core_count())
             write_page_of(Report(results), results.folder / REPORT)
         say(f"Report:  {results.folder / REPORT}", err)
     except UsageError as error:  # the extra is missing: the results are there all the same
         say(f"No {REPORT}: {error}", err)
-
-
-def _draw_frames(results: "Results") -> None:
-    """Have environments draw episodes of the policies that are compared, for the page."""
-    if results.in_environment:
-        from harness.experiment.environments.frames import draw_frames
-        from harness.experiment.workers.workers import core_count
-
-        draw_frames(results, core_count())
 
 
 EPISODES = 20

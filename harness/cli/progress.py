@@ -224,7 +224,9 @@ class LiveProgress:
         to_do = [cell for cell in cells if cell.id not in ended]
         self._pace = Pace(to_do, now)
         steps = sum(cell.steps for cell in to_do)
-        self._parts = _differing_parts(cells)
+        columns = list(zip(*map(_parts, cells), strict=True))
+        differing = [index for index, column in enumerate(columns) if len(set(column)) > 1]
+        self._parts = differing or list(range(len(columns)))  # those of a name that tell the cells apart
         self._overall = self._progress.add_task(CELLS, total=steps, short=CELLS, scalars={})
         self._tasks: dict[str, TaskID] = {}
         self._steps: dict[str, int] = {}
@@ -421,9 +423,3 @@ def _clock(seconds: float | None) -> str:
 
 def _parts(cell: Cell) -> tuple[str, ...]:
     return cell.place.label, cell.learner, cell.reward.label, str(cell.seed)
-
-
-def _differing_parts(cells: Sequence[Cell]) -> list[int]:
-    """The parts of a name that tell the cells apart; all of them if there is but one cell."""
-    columns = list(zip(*map(_parts, cells), strict=True))
-    return [index for index, column in enumerate(columns) if len(set(column)) > 1] or list(range(len(columns)))

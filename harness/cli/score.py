@@ -115,7 +115,8 @@ def _score_recordings(
     for paid in chain(_paid_by_weights(paths, list(weighted.values())), again):
         told.append(paid)
         if not as_json:
-            say(f"{paid.folder}: {_what_was_paid(paid)}")
+            did = f"{paid.steps:,} steps by {', '.join(paid.names)}" if paid.names else "nothing to do, all is recorded"
+            say(f"{paid.folder}: {f'n/a ({paid.refused})' if paid.refused else did}")
         for line in paid.failed:
             complain(f"{paid.folder}: {line}")
     # Of each group in the manner that says most, which comes first.
@@ -144,12 +145,6 @@ def _paid_by_weights(paths: "Sequence[Path]", labels: "Sequence[str]") -> "Itera
                 yield Paid(path, refused=f"{label}: {error}")
             except OSError as error:
                 yield Paid(path, refused=f"'{path}' cannot be written: {error.strerror or error}")
-
-
-def _what_was_paid(paid: "Paid") -> str:
-    if paid.refused:
-        return f"n/a ({paid.refused})"
-    return f"{paid.steps:,} steps by {', '.join(paid.names)}" if paid.names else "nothing to do, all is recorded"
 
 
 def _score_experiment(

@@ -17,6 +17,7 @@ REFUSED = {
         "--sim ideall --algo wander": "Did you mean 'ideal'?",
         "--sim ideal --algo wonder": "Did you mean 'wander'?",
         "--sim ideal --algo dense": "'dense' is of another kind: reward. No algorithm 'dense'. There is",
+        "--sim ideal --algo wander --plugin file.py other.py": "--plugin takes one file: repeat it, or quote a pattern",
         "--sim ideal --algo wander --reward file.py": "The file here needs --plugin file.py",
         "missing.toml": "No experiment file 'missing.toml'",
         "--simulator ideal": "No such option",
