@@ -12,6 +12,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError, one_line
+from harness.eta.laws import NEARLY_ALL
 from harness.log import LARGEST, Log, LogFacts, in_memory, require_columns
 from harness.progress import RETURN
 from harness.score.row_meaning import EPISODE, LENGTH
@@ -26,6 +27,8 @@ LAST_100_OR_NEW = "a mean over the episodes of an iteration, or over the last 10
 EVALUATED = "a mean over the episodes of an evaluation"
 TIME, ITERATION = "time", "iteration"
 MOST_RESTARTS = 100
+SOON = 0.05
+"""The share of a training before which one that begins again is another one: no checkpoint is so early."""
 CLEANRL_RUN = re.compile(r"(?P<env>.+?)__(?P<algorithm>[^_]+).*__(?P<seed>\d+)__\d+")
 """What CleanRL calls a run, and its folder."""
 WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
@@ -189,12 +192,11 @@ class Roles:
         nearest = sorted(names, key=lambda name: is_evaluated(name) != evaluation)
         free = [name for name in nearest if name not in columns.values()]
         counters = (name for name in _named(free, "counter") if name != chosen.episode or has_points)
-        returns = (it["reward"] for it in of.values() if "reward" in it)
         return chosen._replace(
             unit="point" if has_points else "episode",
             times=(self.time,) if self.time else tuple(_named(free, "time")),
             counter=next(counters, ""),
-            others=tuple(name for name in returns if name != columns.get("reward")),
+            others=tuple(name for it in of.values() if (name := it.get("reward")) not in (None, columns.get("reward"))),
         )
 
 
@@ -260,6 +262,12 @@ def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: 
         )
     counts = np.ones(len(steps), bool)
     for row in back:  # what was logged before a restart, and was logged again later
+        last = steps[:row].max()
+        if steps[row] - steps[0] <= SOON * last and last >= NEARLY_ALL * steps[row:].max():
+            raise SchemaError(
+                f"{facts.path}: its steps go from {last:,.0f} to {steps[row]:,.0f}: it holds several trainings, or "
+                "one whose steps were counted from 0 again. Give each a file"
+            )
         counts[:row] &= steps[:row] < steps[row]
     rows = np.flatnonzero(is_whole)[counts]
     if not len(rows):
@@ -275,9 +283,8 @@ def points(facts: LogFacts, chosen: Chosen, columns: Mapping[str, Float], told: 
         after = (after + is_from_0) * told.per_step
     found = {axis: after, **{column: columns[name][rows] for column, name in read.items()}}
     for name, values in found.items():
-        beyond = values[np.abs(values) > LARGEST]
-        if len(beyond):
-            raise SchemaError(f"{facts.path}: a value of {name} is {beyond[0]:g}, which is beyond all returns")
+        for value in values[np.abs(values) > LARGEST]:
+            raise SchemaError(f"{facts.path}: a value of {name} is {value:g}, which is beyond all returns")
     if is_time and is_told.any():
         lengths = np.interp(after, after[is_told], lengths[is_told])
     else:

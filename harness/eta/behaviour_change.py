@@ -67,7 +67,7 @@ class Quantity(NamedTuple):
     @property
     def has_ends(self) -> bool:
         """Whether it is known how good and how bad a value can be. Without, no plain word is said of it."""
-        return math.isfinite(self.ends[0]) and math.isfinite(self.ends[1])
+        return all(map(math.isfinite, self.ends))
 
     def count_failed(
         self, baseline: Sequence[float] | Float, proposed: Sequence[float] | Float

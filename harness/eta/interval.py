@@ -73,7 +73,7 @@ def cut_to(interval: Interval, can_be: Bounds) -> Interval:
 
 def are_within(values: Sequence[float] | Float, bounds: Bounds) -> bool:
     """Whether no value lies outside of the bounds, by more than rounding."""
-    return bounds[0] - ROUNDING <= float(np.min(values)) and float(np.max(values)) <= bounds[1] + ROUNDING
+    return bool(np.all(np.clip(values, bounds[0] - ROUNDING, bounds[1] + ROUNDING) == values))
 
 
 def spread_range(spread: float, seeds: int) -> Interval:

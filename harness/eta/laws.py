@@ -2,8 +2,8 @@
 
 Each stands here once, and every door calls it.
 
-* **Direction**, `direction_of`: a measure says better or worse only where somebody said which is better, or where it is
-  0 or 1. One that decides has to have a direction before anything is trained or read.
+* **Direction**, `direction_of`: a measure says better or worse only where somebody said which is better, and nobody the
+  contrary, or where it is 0 or 1. One that decides has to have a direction before anything is trained or read.
 * **Ends**, `ends_of`: a plain word needs to know how bad and how good a training can be, never from the data.
 * **Missing is an outcome**, `counted`: a training that failed, stopped early or cannot be read stays in the count. A
   verdict waits for it, unless the user leaves it out by name.
@@ -53,9 +53,12 @@ def direction_of(name: str, lower: Collection[str], higher: Collection[str], *, 
         lower: Measures of which somebody said that less is better.
         higher: The same of more.
         is_flag: Whether it is 0 or 1 in every episode, as success is: more is better then, unless somebody said else.
+
+    Returns:
+        Empty where nobody said it, or somebody said both.
     """
     if name in lower:
-        return "lower"
+        return "" if name in higher else "lower"
     return "higher" if name in higher or is_flag else ""
 
 
@@ -71,7 +74,9 @@ def require_direction(name: str, better: str, how: str) -> None:
         UsageError: It is not; `how` says what to type.
     """
     if not better:
-        raise UsageError(f"Measure '{name}' decides, and nobody says whether less or more of it is better: {how}")
+        raise UsageError(
+            f"Measure '{name}' decides, and nobody says whether less or more of it is better, or both are said: {how}"
+        )
 
 
 # Ends
@@ -135,8 +140,7 @@ class Account(NamedTuple, Generic[T]):
 
 def is_left_out(path: Path, leave_out: Collection[Path]) -> bool:
     """Whether a file or a folder is among those that the user leaves out; a folder with all that lies in it."""
-    out = {it.absolute() for it in leave_out}
-    return bool(out) and not out.isdisjoint({path.absolute(), *path.absolute().parents})
+    return any(path.absolute().is_relative_to(it.absolute()) for it in leave_out)
 
 
 def counted(trainings: Iterable[tuple[T | None, Path, str]], leave_out: Collection[Path] = ()) -> Account[T]:
@@ -292,8 +296,8 @@ class Curves:
 def within(asked: Span, known: Span) -> Span | None:
     """What is known of a span that is asked for; None where that is less than `LEAST_KNOWN` of it."""
     found = Span(max(asked.begin, known.begin), min(asked.end, known.end))
-    length = asked.end - asked.begin
-    return found if 0.0 <= found.end - found.begin >= LEAST_KNOWN * length * (1 - 1e-9) else None
+    least = LEAST_KNOWN * (asked.end - asked.begin) * (1 - 1e-9)
+    return found if 0.0 <= found.end - found.begin >= least else None
 
 
 def latest_shared(times: Sequence[Sequence[float]], begin: float = 0.0) -> list[int] | None:
@@ -324,8 +328,7 @@ def require_share(name: str, values: Mapping[T, Float], shown: Callable[[T], str
     Raises:
         UsageError: It lies beyond in some: they may be told in percent, and a look at those that fit would lie.
     """
-    beyond = {it: of[(of < 0.0) | (of > 1.0)] for it, of in values.items()}
-    wrong = {it: of for it, of in beyond.items() if len(of)}
+    wrong = {it: beyond for it, of in values.items() if len(beyond := of[(of < 0.0) | (of > 1.0)])}
     if wrong:
         first, of = next(iter(wrong.items()))
         raise UsageError(

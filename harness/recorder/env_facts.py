@@ -158,8 +158,9 @@ class Asked:
         for argument in ("lower_is_better", "higher_is_better", "bounds"):
             for name in getattr(self, argument):
                 if name not in self.behaviour:
-                    measures = sorted(self.behaviour)
-                    raise UsageError(f"{argument} names {name!r}, which is none of the measures {measures}")
+                    raise UsageError(
+                        f"{argument} names {name!r}, which is none of the measures {sorted(self.behaviour)}"
+                    )
         for name, given in self.bounds.items():
             if not are_bounds(given):
                 raise UsageError(f"bounds of {name!r} are {given!r}: give two numbers, the lower one first")
@@ -170,7 +171,8 @@ class Asked:
             )
 
     def _require_amounts(self) -> None:
-        for name, amount in (("steps_asked", self.steps_asked), ("episodes_asked", self.episodes_asked)):
+        for name in ("steps_asked", "episodes_asked"):
+            amount = getattr(self, name)
             if not isinstance(amount, int) or isinstance(amount, bool) or amount < 0:
                 raise UsageError(f"{name}={amount!r}: it is a whole number; 0: not known")
         if self.steps_asked if self.evaluation else self.episodes_asked:

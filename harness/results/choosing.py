@@ -219,8 +219,8 @@ class Choosing(Plain):
         left = "" if self.is_over else f", at most {self.most_left} trainings left"
         winner = self.halving.furthest
         if winner is not None:
-            ended = sum(it.status in ENDED for it in self.fresh)
-            return f"furthest went {winner}: {ended} of {len(self.fresh)} new trainings have ended{left}"
+            fresh = f"{sum(it.status in ENDED for it in self.fresh)} of {len(self.fresh)}"
+            return f"furthest went {winner}: {fresh} new trainings have ended{left}"
         return f"{len(self.halving.left)} of {len(self.candidates)} candidates are left{left}"
 
     def to_json(self) -> dict[str, Any]:

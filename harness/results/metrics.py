@@ -274,8 +274,9 @@ def _usable(registry: Registry, name: str) -> Measure:
             if metric.better not in BETTER:
                 raise Unmeasured(f"its 'better' is {metric.better!r}: allowed are higher and lower, or an empty text")
             if not are_bounds(bounds_of(metric)):
-                told = bounds_of(metric)
-                raise Unmeasured(f"its 'bounds' are {told!r}: allowed are two numbers, the lower one first")
+                raise Unmeasured(
+                    f"its 'bounds' are {bounds_of(metric)!r}: allowed are two numbers, the lower one first"
+                )
             return metric
     except Unmeasured as error:
         return Unmeasurable(str(error))

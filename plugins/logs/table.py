@@ -360,7 +360,8 @@ def _tag(written: str) -> str:
 
 def _series(table: TextTable, axis: str, name: str) -> Series:
     values = table.numbers(name, NOTHING)
-    return table.numbers(axis)[~np.isnan(values)], values[~np.isnan(values)]
+    is_told = ~np.isnan(values)
+    return table.numbers(axis)[is_told], values[is_told]
 
 
 def _settings_beside(folder: Path) -> dict[str, str]:
@@ -432,12 +433,12 @@ def _monitored(table: TextTable, told: Roles) -> Log:
     """Episodes of one environment, or of several that train side by side, as Monitor and VecMonitor write them."""
     path = table.path
     try:
-        heads = [json.loads(text[1:]) for text in table.comments]
+        heads = [json.loads(text[1:]) for text in table.comments] or [{}]
     except (ValueError, RecursionError) as error:
         raise SchemaError(f"{path}: behind # stands no object of JSON: {one_line(error)}") from error
-    envs = sorted({str(head.get("env_id") or "") for head in heads})
-    if len(envs) > 1:
-        raise SchemaError(f"{path} holds episodes of several environments: {', '.join(envs)}")
+    env, *others = sorted({str(head.get("env_id") or "None") for head in heads})
+    if others:
+        raise SchemaError(f"{path} holds episodes of several environments: {', '.join([env, *others])}")
     success = told.success or next((name for name in ("is_success", "success") if name in table.names), "")
     require_columns(path, table.names, success)
     columns = {"reward": "r", "length": "l"} | ({"success": success} if success else {})
@@ -459,13 +460,12 @@ def _monitored(table: TextTable, told: Roles) -> Log:
         **dict.fromkeys(table.notes, True),
         again: len(back),
     }
-    started = heads[0].get("t_start") if heads else None
-    env = "" if envs in ([], ["None"]) else envs[0]
+    started = heads[0].get("t_start")
     facts = replace(
         log.facts,
         format="Monitor of stable-baselines3",
         unit="episode",
-        **zoo_settings(path, env)._asdict(),
+        **zoo_settings(path, "" if env == "None" else env)._asdict(),
         started=float(started) if isinstance(started, int | float) else None,
         notes=tuple(note for note, is_so in notes.items() if is_so),
     )

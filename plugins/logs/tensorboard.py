@@ -15,15 +15,13 @@ from harness.eta.laws import NEARLY_ALL
 from harness.files import open_regular, reading
 from harness.log import Log, LogFacts
 
-from ..curves import Roles, cleanrl_run, curve
+from ..curves import SOON, Roles, cleanrl_run, curve
 from ..zoo_settings import whole
 
 MARK = "tfevents"
 MOST_BYTES = 2**31
 FRAME = 16
 """Bytes around each event: its length, and two checksums."""
-SOON = 0.05
-"""The share of a training before which a file that begins again is of another one: no checkpoint is so early."""
 HYPERPARAMETERS = "hyperparameters/text_summary"
 ROW = re.compile(r"^\| *(.*?) *\| *(.*?) *\|$", re.MULTILINE)
 """A row of the table of hyperparameters that CleanRL writes of a training, as text."""
@@ -69,8 +67,10 @@ class TensorBoard(Roles):
         for place, file in zip(places, files, strict=True):
             steps = np.array(file.series[main][0] if main in file.series else [])
             for at in np.flatnonzero(np.diff(steps) < 0.0):  # a training that is continued begins another file
-                way = f"{steps[at]:,.0f} to {steps[at + 1]:,.0f}"
-                raise SchemaError(f"{place}: the steps of '{main}' go from {way}: several trainings log into one file")
+                raise SchemaError(
+                    f"{place}: the steps of '{main}' go from {steps[at]:,.0f} to {steps[at + 1]:,.0f}: several "
+                    "trainings log into one file"
+                )
             if len(steps) and (not ends or steps[0] <= begin + SOON * (ends[-1] - begin)):
                 if ends:
                     trainings.append([])

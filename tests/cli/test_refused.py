@@ -221,6 +221,7 @@ AMONG = {
         "--measure success --measure length": "one measure of the logs decides",
         "--measure length": "nobody says whether less or more",
         "--measure length:better=lower --ends length=0,8": "length is 9 in a training. Say the least",
+        "--measure length:better=lower --ends length=0,80 --ends length=0,9": "once for a measure",
         "--as evaluations": "holds no recorded training and no log that is read. Seen: 4 .csv",
     },
     "report": {
@@ -314,8 +315,10 @@ def test_ends_are_refused_at_every_door_alike(place, refused, command):
 @pytest.mark.parametrize("where", ["--sim stuck --measure own", "--task gymnasium:id=CartPole-v1"])
 def test_a_measure_without_a_direction_is_asked_about(refused, tmp_path, command, where):
     """Before anything is trained, in an environment and of an arm."""
-    (tmp_path / "own.py").write_text("def own(step):\n    return 0.5 + step.action.sum(-1)\n")
     told = (
-        "Measure 'own' decides, and nobody says whether less or more of it is better: write lower_is_better = ['own']"
+        "Measure 'own' decides, and nobody says whether less or more of it is better, or both are said: "
+        "write lower_is_better = ['own']"
     )
-    assert told in refused(f"{command} --measure own.py --algo random --steps 100 --out new {where}")
+    for said in ("", "lower_is_better = higher_is_better = ['own']\n"):
+        (tmp_path / "own.py").write_text(f"{said}def own(step):\n    return 0.5 + step.action.sum(-1)\n")
+        assert told in refused(f"{command} --measure own.py --algo random --steps 100 --out new {where}")

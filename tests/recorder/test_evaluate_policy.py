@@ -94,6 +94,17 @@ def test_the_training_tells_its_seed(counting, tmp_path):
     assert read_recording(tmp_path).facts.seed == 3
 
 
+def test_a_training_whose_end_was_evaluated_does_not_go_on(counting, tmp_path):
+    """What its last policy did would be told of an earlier one. On the way it may be evaluated."""
+    for after, policy in ((1, "early"), (0, "last")):
+        with harness.RecordRewards(counting(), tmp_path, resume=True, **GIVEN) as env:
+            env.reset()
+            env.step(env.action_space.sample())
+        harness.evaluate_policy(still, counting(), tmp_path / policy, episodes=1, after=after, **GIVEN)
+    with pytest.raises(UsageError, match="/last' evaluates the policy that the training in"):
+        harness.RecordRewards(counting(), tmp_path, resume=True, **GIVEN)
+
+
 def test_what_is_better_of_measures_is_recorded(counting, tmp_path):
     """In the order of the measures."""
     behaviour = {"left": "left", "speed": lambda *step: 1.0, "height": lambda *step: 0.0, "success": "success"}

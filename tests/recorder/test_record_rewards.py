@@ -219,6 +219,14 @@ def test_another_training_does_not_go_on(record, tmp_path, change, what):
         record(resume=True, **change)
 
 
+def test_a_recording_goes_on_with_its_own_seed(record, tmp_path):
+    """Steps of another seed are of another training; whoever says none goes on."""
+    _recorded(record(seed=3), 1, tmp_path)
+    with pytest.raises(UsageError, match="its seed differ: 3, now 4"):
+        record(resume=True, seed=4)
+    assert len(_recorded(record(resume=True), 1, tmp_path)) == 2
+
+
 def test_given_up_reward_stays_given_up_in_a_recording_that_goes_on(record, tmp_path):
     """Its NaN has no gap."""
     with pytest.warns(UserWarning, match="failed"):
@@ -343,6 +351,16 @@ def test_a_measure_decides_only_where_it_is_known_what_is_better(record, tmp_pat
         _act(record(path="refused", behaviour={"left": "left"}), 1)
     found = _recorded(record(behaviour={"left": "left"}, **{better: ["left"]}), 5, tmp_path)
     assert getattr(found.facts, better) == ("left",)
+
+
+def test_a_measure_of_which_both_are_said_decides_nothing(record, tmp_path):
+    """Neither counts, whether they are said at once or by who goes on."""
+    both = {"lower_is_better": ["left"], "higher_is_better": ["left"]}
+    with pytest.raises(UsageError, match=r"'left' decides.*or both are said"):
+        _act(record(path="refused", behaviour={"left": "left"}, **both), 1)
+    _recorded(record(behaviour={"left": "left"}, lower_is_better=["left"]), 2, tmp_path)
+    found = _recorded(record(behaviour={"left": "left"}, higher_is_better=["left"], resume=True), 2, tmp_path)
+    assert (found.facts.lower_is_better, found.facts.higher_is_better) == (("left",), ("left",))
 
 
 def test_a_measure_that_counts_up_from_1_is_asked_as_soon_as_it_is_no_flag(record, counting, tmp_path):

@@ -20,6 +20,7 @@ from harness.record.recording.recorded_training import (
     part_schema,
     read_facts,
     read_recorder,
+    recordings_in,
 )
 from harness.reward.steps import ENDS
 
@@ -105,11 +106,21 @@ class RecordingWriter(RowsWriter):
     def _resume(self) -> None:
         """Go on with what is there; a recording of an older version has the columns that it had."""
         before = read_facts(self.folder, self.number)
-        _require_same_training(self.folder, before, self.facts)
-        now, asked = self.facts, self.facts.asked or before.asked  # whoever goes on may ask for more
-        better = now if now.lower_is_better or now.higher_is_better else before  # and say what nobody had said
-        lower, higher = better.lower_is_better, better.higher_is_better
-        self.facts = replace(before, closed=False, asked=asked, lower_is_better=lower, higher_is_better=higher)
+        now = self.facts
+        _require_same_training(self.folder, before, now)
+        for path in recordings_in(self.folder):
+            if path != self.folder and (facts := read_facts(path)).evaluation and not facts.after:
+                raise UsageError(
+                    f"'{path}' evaluates the policy that the training in '{self.folder}' ended with. Without it the "
+                    "training can go on"
+                )
+        self.facts = replace(
+            before,
+            closed=False,
+            asked=now.asked or before.asked,  # whoever goes on may ask for more, and say what nobody had said
+            lower_is_better=tuple(sorted({*before.lower_is_better, *now.lower_is_better})),
+            higher_is_better=tuple(sorted({*before.higher_is_better, *now.higher_is_better})),
+        )
         self._make_room(part_schema(self.facts))
         earlier = read_recorder(self.folder, self.number).rows((TICK, "env", "episode"))
         if len(earlier):
@@ -144,9 +155,9 @@ def write_recording(folder: Path, log: Log) -> None:
 
 
 def _require_same_training(folder: Path, before: TrainingFacts, now: TrainingFacts) -> None:
-    for what in ("trained_with", "rewards", "behaviour", "num_envs", "spec", "sources", "horizon"):
+    for what in ("trained_with", "rewards", "behaviour", "num_envs", "spec", "sources", "horizon", "seed"):
         was, found = getattr(before, what), getattr(now, what)
-        if was != found:
+        if was != found and not (what == "seed" and None in (was, found)):
             shown = f": {was!r}, now {found!r}" if what != "sources" else ""
             named = "env" if what == "spec" else what
             raise UsageError(

@@ -30,32 +30,36 @@ def labelled(found: Sorted, folder: Path, path: Path) -> Sorted:
     """
     labels = read_labels(path, RULE, len(found.trainings))
     names = {training: _names(training, folder) for training in found.trainings}
-    of = {it: next((labels[name] for name in ("", *called) if name in labels), None) for it, called in names.items()}
-    unknown = labels.keys() - {name for called in names.values() for name in called} - {""}
+    of = {it: [labels[name] for name in called if name in labels] for it, called in names.items()}
+    unknown = labels.keys() - {name for called in names.values() for name in called}
     if unknown:
         shown = ", ".join(f"'{it.reward}/{it.seed}'" for it in found.trainings[:3])
         raise UsageError(f"--labels {path}: no training is called '{min(unknown)}'; they are called {shown}, ...")
-    without = [training for training, it in of.items() if it is None]
+    twice = next((training for training, it in of.items() if it[1:]), None)
+    if twice:
+        raise UsageError(f"--labels {path} calls {twice.shown} by two names: leave one out")
+    without = [training for training, it in of.items() if not it]
     if without:
         raise UsageError(
             f"--labels {path} says nothing of {len(without)} of {len(of)} trainings, such as {without[0].shown}"
         )
-    told = tuple(_with_success(training, it, path) for training, it in of.items() if it is not None)
+    told = tuple(_with_success(training, it[0], path) for training, it in of.items())
     return found._replace(trainings=told, notes=(*found.notes, f"Success is what '{path}' says"))
 
 
-def _names(training: Training, folder: Path) -> tuple[str, ...]:
+def _names(training: Training, folder: Path) -> set[str]:
+    """What it may be called; nothing where it is the only one."""
     path = training.path
-    below = path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.as_posix()
-    run = training.facts.run
-    return (f"{training.reward}/{training.seed}", below, *([run] if run else []))
+    below = path.relative_to(folder) if path.is_relative_to(folder) else path
+    return {"", f"{training.reward}/{training.seed}", below.as_posix(), training.facts.run}
 
 
 def _with_success(training: Training, labels: Mapping[int, int], path: Path) -> Training:
     log, is_whole = training.logs[0], WHOLE in labels
     if not is_whole and len(training.logs) > 1:
-        count = len(training.logs)
-        raise UsageError(f"--labels {path}: the {count} files of {training.shown} number no episodes together")
+        raise UsageError(
+            f"--labels {path}: the {len(training.logs)} files of {training.shown} number no episodes together"
+        )
     numbers = [WHOLE] if is_whole else range(len(log))
     lacking = next((it for it in numbers if it not in labels), None)
     if lacking is not None or len(labels) > len(numbers):

@@ -274,11 +274,10 @@ def _require_steps(trainings: Sequence[Training], noun: str, *, is_evaluated: bo
         UsageError: Nobody knows it of one; says what to type.
     """
     if noun == "iterations":
-        facts = trainings[0].facts
         each = ",".join(f"{name}=N" for name in dict.fromkeys(it.reward for it in trainings))
         raise UsageError(
-            f"'{facts.path}' counts iterations of the learner, or calls of a logger, and no environment steps, and two "
-            f"rewards may have taken different steps in each. --per-step {each} says how many one is"
+            f"'{trainings[0].facts.path}' counts iterations of the learner, or calls of a logger, and no environment "
+            f"steps, and two rewards may have taken different steps in each. --per-step {each} says how many one is"
         )
     logs = [log for it in trainings for log in it.logs if SINCE in log]
     unknown = next((log for log in logs if np.isnan(log[SINCE]).any()), None)
@@ -314,9 +313,9 @@ def _deciding_text(measures: Sequence[str], told: Sequence[str], trainings: Sequ
             + ", --measure length:better=lower lets the length of episodes decide" * has_lengths
             + more
         )
-    first, count = measures[0], len(trainings)
+    first = measures[0]
     lacking = sum(not any(f"{BEHAVIOUR}{first}" in log for log in it.all_logs) for it in trainings)
-    without = f", which {lacking} of {count} trainings do not tell" if lacking and first == SUCCESS else ""
+    without = f", which {lacking} of {len(trainings)} trainings do not tell" if lacking and first == SUCCESS else ""
     return f"; {first} decides{without}{more}"
 
 

@@ -51,8 +51,10 @@ def results_of_logs(
     """
     found = _opened(folder, registry, told)
     if not any(log.facts.unit != "step" or {*ENDS} & {*log.names} for log in found.logs):
-        command = _command_of_steps(folder)
-        raise UsageError(f"'{folder}' holds steps that do not tell where episodes end: {command} compares their pay")
+        raise UsageError(
+            f"'{folder}' holds steps that do not tell where episodes end: {_command_of_steps(folder)} compares their "
+            "pay"
+        )
     place = folder if folder.is_dir() else folder.parent
     sorted_, other = sort_found(folder, found, told)
     if not told.sort:

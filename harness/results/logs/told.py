@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from harness.errors import UsageError
 from harness.eta.interval import Bounds
+from harness.eta.laws import Better
 from harness.registry.choice import parse
 
 RETURN, LENGTH = "return", "length"
@@ -23,7 +24,7 @@ class Deciding(NamedTuple):
     """
 
     name: str = ""
-    better: str = ""
+    better: Better = ""
 
 
 SUCCESS_DECIDES = Deciding()
@@ -57,7 +58,7 @@ class Told:
     def flags(self) -> list[str]:
         """The flags of ``harness report`` that say the same again."""
         name, better = self.deciding
-        measure = f"{name}:better={better}" if better else name
+        measure = f"{name}{':better=' * bool(better)}{better}"
         given = {
             "--as": self.format, "--sort": self.sort, "--baseline": self.baseline, "--measure": measure,
             "--labels": str(self.labels or ""), "--per-step": self.per_step,
@@ -95,10 +96,12 @@ def parse_ends(texts: Iterable[str]) -> dict[str, Bounds]:
         try:
             low, high = map(float, ends.split(","))
         except ValueError:
-            low, high = 0.0, 0.0
-        if not (name and math.isfinite(low) and math.isfinite(high) and low < high):
-            what = "two numbers, the lower one first and no percentages"
-            raise UsageError(f"--ends {text}: write NAME=LEAST,GREATEST, {what}, such as score=0,200")
+            low = high = 0.0
+        if not name or name in found or not -math.inf < low < high < math.inf:
+            raise UsageError(
+                f"--ends {text}: write NAME=LEAST,GREATEST, two numbers, the lower one first and no percentages, once "
+                "for a measure, such as score=0,200"
+            )
         found[name] = (low, high)
     return found
 
@@ -113,4 +116,4 @@ def parse_deciding(text: str) -> Deciding:
     better = params.pop("better", "")
     if params or better not in ("", "higher", "lower"):
         raise UsageError(f"--measure {text}: write NAME, NAME:better=higher or NAME:better=lower")
-    return Deciding(name, better)
+    return Deciding(name, better)  # type: ignore[arg-type] # one of these

@@ -25,6 +25,8 @@ PLAIN_FILES = ("monitor", "evaluations", "progress", "result", "results", "metri
 PLAIN_FOLDERS = ("eval", "evaluation", "evaluations", "tb", "tensorboard", "log", "logs", "monitor", "runs", "train")
 """Names that programs give to what belongs to any training: they say nothing of it."""
 EVENTS = "events.out.tfevents"
+ENDING = re.compile(r"\.monitor\.csv$|(?<=.)\.[^.]+$", re.IGNORECASE)
+"""Behind the name of a file."""
 NUMBERED = re.compile("[0-9]+([.][0-9]+)*")
 """Names of files which a batch of environments writes: a number, or one of a process and one of its environment."""
 EVALUATED = re.compile("eval(uation)?s?([-_](env|logs?|monitor))?", re.IGNORECASE)
@@ -195,11 +197,7 @@ def _without_evaluated(folder: Path, logs: Sequence[Log], notes: list[str]) -> S
 def _parts(folder: Path, path: Path) -> list[str]:
     """The folders below `folder` in which a log lies, and the name of its file without an ending."""
     below = (path.relative_to(folder) if path.is_relative_to(folder) else path).parts
-    if path.is_dir():
-        return [*below]
-    name = path.name
-    ending = ".monitor.csv" if name.lower().endswith(".monitor.csv") else path.suffix
-    return [*below[:-1], name[: len(name) - len(ending)]]
+    return [*below] if path.is_dir() else [*below[:-1], ENDING.sub("", path.name)]
 
 
 def _name_of(folder: Path, path: Path, run: str = "") -> str:
@@ -293,16 +291,17 @@ def _best_of(
     trained = [log for log in finest if not log.facts.evaluation]
     needs_success = evaluation is None or SUCCESS not in evaluation.measures
     first = min(trained or finest, key=lambda log: needs_success and SUCCESS not in log.measures).facts
-    alike = [log for log in of if (log.facts.format, log.facts.evaluation) == (first.format, not trained)]
-    logs = _distinct(alike)
-    is_batch = len({names[log] for log in alike}) == 1 and all(map(_is_numbered, logs))
-    is_batch |= is_told and all("seconds" in log and log.facts.path.parent == first.path.parent for log in logs)
-    if len(logs) > 1 and not is_batch:
-        twice = names[logs[0]], names[logs[1]]
-        rest = dict.fromkeys(it for it in names.values() if it not in twice)
-        one = command_text("--leave-out", logs[1].facts.path)
-        why = f"say that {key[0]} was trained with seed {key[1]}: {one} keeps one"
-        raise question([twice[0], *rest, twice[1]], why, None if len({*twice}) > 1 else [])
+    for kind in (first if evaluation is None else evaluation.facts), first:
+        alike = [log for log in of if (log.facts.format, log.facts.evaluation) == (kind.format, kind.evaluation)]
+        logs = _distinct(alike)
+        is_batch = len({names[log] for log in alike}) == 1 and all(map(_is_numbered, logs))
+        is_batch |= is_told and all("seconds" in log and log.facts.path.parent == first.path.parent for log in logs)
+        if len(logs) > 1 and not is_batch:
+            twice = names[logs[0]], names[logs[1]]
+            rest = dict.fromkeys(it for it in names.values() if it not in twice)
+            one = command_text("--leave-out", logs[1].facts.path)
+            why = f"say that {key[0]} was trained with seed {key[1]}: {one} keeps one"
+            raise question([twice[0], *rest, twice[1]], why, None if len({*twice}) > 1 else [])
     return tuple(logs), evaluation if trained else None
 
 

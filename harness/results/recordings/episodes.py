@@ -122,8 +122,7 @@ class Episodes:
 
     def is_within(self, measure: str, bounds: Bounds) -> bool:
         """Whether a measure lies within bounds in every episode that has it."""
-        known = self._known(measure)
-        return not len(known) or are_within(known, bounds)
+        return are_within(self._known(measure), bounds)
 
     def _known(self, measure: str) -> Float:
         values: Float = np.asarray(self.behaviour.get(measure, ()))

@@ -178,6 +178,8 @@ def read_runs(
     rewards = sorted(named, key=lambda name: name != told.baseline)  # all others stay in their order
     recorded = list(dict.fromkeys(name for run in compared for name in run.facts.behaviour))
     measures, chosen = dict.fromkeys([*deciding, *recorded]), told.deciding.name
+    firsts = [("".join(run.facts.behaviour[:1]), f"'{run.path}'") for run in compared if not deciding]
+    require_one(firsts, "The first measure decides, and trainings name several", "--measure NAME says which one does")
     return Runs(
         group or brought(env, UNKNOWN_ALGORITHM, shortest),
         tuple(rewards),

@@ -236,10 +236,10 @@ def better_of(measure: str, told: Sequence[LogFacts], deciding: Deciding, *, is_
     Empty where nobody says it.
     """
     if deciding.better and measure == deciding.name:
-        return "lower" if deciding.better == "lower" else "higher"
+        return deciding.better
     lower = {name for it in told for name in it.lower_is_better}
-    higher = {SUCCESS, RETURN, *(name for it in told for name in it.higher_is_better)}
-    return direction_of(measure, lower, higher, is_flag=is_flag)
+    higher = {name for it in told for name in it.higher_is_better}
+    return direction_of(measure, lower, higher, is_flag=is_flag or measure in (SUCCESS, RETURN))
 
 
 def quantities_of(

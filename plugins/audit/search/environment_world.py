@@ -14,6 +14,7 @@ from gymnasium.wrappers import TimeLimit
 from harness.arrays import Float, Mask
 from harness.environment import AnyEnv
 from harness.errors import UsageError, reason_of
+from harness.eta.laws import direction_of
 from harness.experiment.environments.spaces import rows_of
 from harness.log.log import SUCCESS
 from harness.record.dataset.labels import parse_success
@@ -78,8 +79,9 @@ class EnvironmentWorld(World):
         self.horizon = limit or CUT_AT
         self._rule, self._more = parse_success(success), dict[str, str]()
         given = columns(env)
-        higher, lower = dict.fromkeys(given.higher_is_better, 1), dict.fromkeys(given.lower_is_better, -1)
-        self._direction_of = {**higher, **lower}
+        both = given.lower_is_better, given.higher_is_better
+        said = {it: direction_of(it, *both, is_flag=False) for it in given.behaviour}
+        self._direction_of = {it: 1 if better == "higher" else -1 for it, better in said.items() if better}
         if self._rule.key and self._rule.key not in given.behaviour:
             self._more = {self._rule.key: self._rule.key}
         self._drew = False
@@ -101,7 +103,7 @@ class EnvironmentWorld(World):
     @cached_property
     def directions(self) -> Mapping[str, int]:  # type: ignore[override]
         """Those of the measures of which somebody said it, 1 where more is better; and what success says."""
-        found = {name: self._direction_of[name] for name in self.measures if name in self._direction_of}
+        found = self._direction_of
         return {**found, self._rule.key: -1 if self._rule.sign.startswith("<") else 1} if self._rule.key else found
 
     @cached_property

@@ -136,6 +136,11 @@ def test_what_a_row_is_and_what_counts_the_steps(tmp_path, text, told, columns):
         (f"{MONITORED}-1.0,0,3.0\n", "line 6: column 'l' counts from 1, and holds 0"),
         (f"{MONITORED}-1.0,9.5,3.0\n", "line 6: column 'l' counts from 1"),
         (f"episode,reward,length\n{EPISODES}3,-1.0,0\n", "line 5: column 'length' counts from 1, and holds 0"),
+        # Nobody knows what a counter that begins again counts
+        (
+            "timesteps,success_rate\n" + "".join(f"{10 * step},0.1\n" for step in (*range(1, 9), *range(1, 9))),
+            "own.csv: its steps go from 80 to 10: it holds several trainings, or one whose steps",
+        ),
         # Returns of two environments have nothing to do with one another
         (MONITORED + MONITORED.replace("Toy", "Other"), "several environments: Other-v0, Toy-v0"),
         # A training has just begun

@@ -97,6 +97,7 @@ def test_one_training_needs_no_name(found, label):
             [f"{run},{episode},0" for run in NAMES for episode in (0, 1)],
             "lacks episode 2 of '/runs/base/0.csv', which has 3",
         ),
+        ("run,success", [*LAST, "base/0.csv,1"], "calls '/runs/base/0.csv' by two names"),
     ],
 )
 def test_labels_that_do_not_fit_are_refused(found, label, header, rows, told):

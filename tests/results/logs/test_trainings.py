@@ -91,6 +91,20 @@ def test_a_training_and_its_evaluations_are_one(monitor, sort, tmp_path):
     assert [it.evaluation.facts.path.parent.name for it in found.trainings] == ["Toy-v0_1", "Toy-v0_2"]
 
 
+def test_two_evaluations_of_one_training_are_asked_about(monitor, sort, tmp_path):
+    """None counts because it is called so; a copy is no second one."""
+    for name in ("a", "b"):
+        for seed in (1, 2):
+            monitor(f"base_{seed}/monitor.csv", [seed, 1, 3], started=1e9 + 1e4 * seed)
+            (tmp_path / f"base_{seed}" / name).mkdir()
+            file = tmp_path / f"base_{seed}/{name}/evaluations.npz"
+            np.savez(file, timesteps=[10, 20], results=[[1.0, 2.0], [3.0, seed]])
+    assert [it.evaluation.facts.path.parent.name for it in sort().trainings] == ["a", "a"]
+    np.savez(file, timesteps=[10, 20], results=[[1.0, 2.0], [3.0, 7.0]])
+    with pytest.raises(UsageError, match=r"'base_2/a' and 'base_2/b' say .* base was trained with seed 2: --leave-out"):
+        sort()
+
+
 def test_monitor_files_of_evaluations_are_left_out(monitor, sort):
     """Their steps are those of the environment that evaluated, and not of the training; that is told."""
     for seed in range(2):

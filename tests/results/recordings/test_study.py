@@ -350,6 +350,26 @@ def test_a_measure_that_decides_has_a_direction(study_of, tmp_path):
         load_results(tmp_path, told=Told(deciding=Deciding("depth", "lower")))
 
 
+def test_trainings_that_say_the_contrary_give_a_measure_no_direction(study_of, tmp_path):
+    """Whatever their folders are called; the user's word counts."""
+    trainings = ending((-1.0, 0.0, 1.0))
+    trainings[0][3].update(higher_is_better=(), lower_is_better=("height",))
+    with pytest.raises(
+        UsageError, match=r"'height' decides, and nobody says .*, or both are said: say --measure height:"
+    ):
+        study_of(*trainings, seeds=0)
+    found = load_results(tmp_path, told=Told(deciding=Deciding("height", "lower"))).combinations[0].decisive
+    assert found.measure.better == "lower"
+
+
+def test_trainings_whose_first_measures_differ_are_asked_which_one_decides(study_of, tmp_path):
+    """None decides because a folder is called so."""
+    did = {"arm": lambda arms: arms, "success": lambda arms: (arms > 0.5) * 1.0}
+    with pytest.raises(UsageError, match=r"trainings name several: success .*, arm .*--measure NAME says which"):
+        study_of(("thrice-9", "thrice", 9, {"behaviour": did}))
+    assert load_results(tmp_path, told=Told(deciding=Deciding("success"))).combinations[0].decisive.name == "success"
+
+
 @pytest.mark.parametrize(("named", "offered"), [("", ()), ("success", ()), ("arm", ("success",))])
 def test_a_measure_named_later_is_one_of_all(study_of, tmp_path, named, offered):
     """The one that decides by itself was named before, whoever names it again. What is not shown counts too."""

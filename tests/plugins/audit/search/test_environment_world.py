@@ -92,10 +92,10 @@ def rewards():
     return {"own": "own", "near": near, "late": Late(), "lit": {"docked": "docked", "near": near}}
 
 
-def world_of(make=Dock, reward="own", behaviour=None, lower=(), bounds=None, **options):
+def world_of(make=Dock, reward="own", behaviour=None, lower=(), higher=(), **options):
     """A world of ships."""
     behaviour = {"docked": "docked", "gap": gap} if behaviour is None else behaviour
-    return of_env(make, reward, Columns(rewards(), behaviour, lower, bounds or {}), 0.9, **options)
+    return of_env(make, reward, Columns(rewards(), behaviour, lower, higher), 0.9, **options)
 
 
 def drawn(world, count):
@@ -195,7 +195,8 @@ def test_an_unknown_measure_of_success_is_refused():
         ({"success": "gap<0.5"}, lambda gaps: -gaps.min()),
         ({"success": "gap>0.5"}, lambda gaps: gaps.max()),
         ({"lower": ("gap",)}, lambda gaps: -gaps.min()),
-        ({"bounds": {"gap": (0.0, 9.0)}}, lambda gaps: gaps.max()),
+        ({"higher": ("gap",)}, lambda gaps: gaps.max()),
+        ({"lower": ("gap",), "higher": ("gap",)}, lambda gaps: np.nan),
         ({}, lambda gaps: np.nan),
     ],
 )
