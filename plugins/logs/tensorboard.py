@@ -11,11 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from harness.errors import SchemaError
-from harness.eta.laws import NEARLY_ALL
 from harness.files import open_regular, reading
 from harness.log import Log, LogFacts
 
-from ..curves import SOON, Roles, cleanrl_run, curve
+from ..curves import NEARLY_ALL, SOON, Roles, cleanrl_run, curve
 from ..zoo_settings import whole
 
 MARK = "tfevents"
