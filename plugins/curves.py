@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import SchemaError, UsageError, one_line
-from harness.eta.laws import NEARLY_ALL as NEARLY_ALL
+from harness.eta.laws import NEARLY_ALL as NEARLY_ALL  # noqa: PLC0414 (for the reader of event files)
 from harness.log import LARGEST, Log, LogFacts, in_memory, require_columns
 from harness.progress import RETURN
 from harness.score.row_meaning import EPISODE, LENGTH
