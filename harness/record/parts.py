@@ -46,14 +46,18 @@ def rows_of(file: pq.ParquetFile, path: Path, names: Sequence[str]) -> Iterator[
     """The rows of some columns, in tables: (rows,) each, or (rows, n).
 
     Raises:
-        SchemaError: A value is missing.
+        SchemaError: A value is missing, or rows are that the file tells of.
     """
+    left = file.metadata.num_rows
     batches = file.iter_batches(PART_ROWS, columns=names, use_threads=False)
-    tables = (pa.Table.from_batches([batch]) for batch in batches) if file.metadata.num_rows else [file.read(names)]
+    tables = (pa.Table.from_batches([batch]) for batch in batches) if left else [file.read(names)]
     for table in tables:
         if any(column.null_count for column in table.columns):
             raise SchemaError(f"{path} has gaps")
+        left -= table.num_rows
         yield {name: _numbers(table.column(name)) for name in names}
+    if left:
+        raise SchemaError(f"{path} lacks {left:,} rows that it tells of")
 
 
 def _numbers(column: pa.ChunkedArray) -> NDArray[Any]:
