@@ -95,7 +95,7 @@ class Verdict:
             unmeasured: The sentence for the case that there is no measure.
         """
         if not self.deciding:
-            return Headline(Answer.CANNOT_TELL, unmeasured, number)
+            return Headline(Answer.INTERIM if self.ruling.missing else Answer.CANNOT_TELL, unmeasured, number)
         by = key_of(self.deciding[self.decider]) if self.answer in TOLD else None
         sentences = " ".join(filter(None, self._sentences()))
         return Headline(self.answer, sentences, number, by, self.needed if self.answer in OPEN else None)

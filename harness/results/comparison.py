@@ -453,7 +453,7 @@ class Comparison(Plain):
     def headline(self) -> Headline:
         """The answers of the comparison: about the robot, and about the number."""
         if not self.has_trainings:
-            return Headline(Answer.CANNOT_TELL, f"Nothing to compare: {self.why_none}.", "")
+            return self.verdict.headline("", f"Nothing to compare: {self.why_none}.")
         told = UNMEASURED if self.decisive is None else _unmeasured(self.names, self.decisive)
         found, pool = self.verdict.headline(self.number.sentence(self.names), told), self.answer.pool
         if pool is None or found.decided_by or not pool.ruling.is_decided:

@@ -101,7 +101,8 @@ def test_combination_without_a_training_of_one_reward_says_so(both, made):
     assert combination["eta_N"]["eta"] == combination["eta_P"]["behaviour"] == nothing
     assert (combination["baseline_index"], combination["proposed_index"], combination["seeds"]) == (None, None, [])
     assert (combination["behaviour"], combination["total"]) == ([], None)
-    assert combination["headline"]["behaviour"] == f"Nothing to compare: {reason}."
+    headline = combination["headline"]
+    assert (headline["answer"], headline["behaviour"]) == ("interim", f"Nothing to compare: {reason}.")
     assert only(results).curves == {}
 
 

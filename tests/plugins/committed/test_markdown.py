@@ -78,7 +78,7 @@ def test_failures_show(summarise):
 def test_nothing_finished_is_said(summarise):
     """In words."""
     text = page(summarise, **NO_PAIR)
-    assert "**The robot: CANNOT TELL.** Nothing to compare: no training with arp is done." in text
+    assert "**The robot: INTERIM.** Nothing to compare: no training with arp is done." in text
     assert "eta = " not in text.split("## 1.")[1]
 
 
