@@ -356,6 +356,8 @@ def _group(runs: Sequence[Run], steps: int) -> Group:
 # One training
 
 
+MOST_STEPS = 10**12
+"""What is larger is a clock, of no training."""
 TIMES = {TIME: "steps", LENGTH: "steps", "iteration": "iterations"}
 """Columns that tell how much of a training was done, of episodes by their lengths, and what it is counted in."""
 
@@ -378,8 +380,8 @@ def timed(trainings: Sequence[Training]) -> tuple[list[Training], str]:
     def told(log: Log, by: str) -> Log:
         ends = np.asarray(log[by], np.float64) if by else np.arange(1.0, len(log) + 1)
         ends = np.cumsum(ends) if by == LENGTH else ends
-        if not np.isfinite(ends).all() or (np.diff(ends) < 0).any():
-            raise SchemaError(f"{log.facts.path}: its rows are not in the order of their {noun}")
+        if not (np.diff(ends, append=MOST_STEPS) >= 0.0).all():
+            raise SchemaError(f"{log.facts.path}: its rows are not in the order of their {noun}, up to {MOST_STEPS:,}")
         return log.add({TIME: ends})
 
     def evaluated(log: Log | None) -> Log | None:
