@@ -35,8 +35,8 @@ from harness.eta.interval import (
 )
 from harness.files.plain import Plain
 
-REWARDS, PLACES = 2, 2
-"""The fewest rewards and places whose orders can be compared."""
+FEWEST_RANKED = 2
+"""The fewest rewards whose orders can be compared, and the fewest places."""
 NO_INTERVAL, OPEN = ("no interval: too few seeds in a place",), ("the seeds leave every order open",)
 
 Runs: TypeAlias = Mapping[str, Sequence[float]]
@@ -72,7 +72,7 @@ class Order:
         better = self.low > 0.0
         for middle in range(len(better)):
             better = better | (better[:, middle, None] & better[None, middle, :])
-        return better.astype(np.int64) - better.T.astype(np.int64)
+        return np.subtract(better, better.T, dtype=np.int64)
 
     @property
     def best(self) -> int:
@@ -113,7 +113,7 @@ class Transplant(Plain):
     @property
     def is_costly(self) -> bool:
         """Whether the choice certainly costs something, no matter what would have been chosen there."""
-        return (self.cost.low or 0.0) > 0.0
+        return bool(self.cost.low)
 
 
 def order_rewards(places: Sequence[Runs], episodes: Sequence[int | None]) -> list[Order]:
@@ -132,7 +132,7 @@ def order_rewards(places: Sequence[Runs], episodes: Sequence[int | None]) -> lis
 def _order(runs: Runs, episodes: int | None, confidences: tuple[float, float]) -> Order:
     values = np.array(list(runs.values()), np.float64)  # (rewards, seeds)
     count, seeds = values.shape
-    low = np.full((2, count, count), -np.inf)
+    low = np.tile(np.where(np.eye(count), 0.0, -np.inf), (2, 1, 1))
     ends = UNBOUNDED if episodes is None else SHARE
     if not why_no_interval(seeds):
         sides = [Side([of], [ends]) for of in values]
@@ -223,15 +223,13 @@ def transplant(here: Order, there: Order, margin: float = SUCCESS_MARGIN) -> Tra
         margin: A smaller cost counts as none.
     """
     chosen, best = here.best, there.best
-    cost, seeds = max(0.0, float(there.means[best] - there.means[chosen])), min(here.seeds, there.seeds)
+    cost, seeds = float(there.means[best] - there.means[chosen]), min(here.seeds, there.seeds)
     if there.means[chosen] == there.means[best]:
         best = chosen
     names = (here.rewards[chosen], here.rewards[best])
     if too_few := why_no_interval(seeds):
         return Transplant(*names, Estimate(cost, None, None, seeds, too_few), Answer.NOT_DECIDED)
-    others = np.arange(len(here.rewards)) != chosen
-    low = max(0.0, float(there.low[others, chosen].max()))
-    high = max(0.0, float(-there.low_of_best[chosen, others].min()))
+    low, high = float(there.low[:, chosen].max()), max(0.0, float(-there.low_of_best[chosen].min()))
     answer = Answer.NO if high <= margin else Answer.NOT_DECIDED
     if not set(here.candidates) & set(there.candidates):
         answer = Answer.YES

@@ -14,8 +14,7 @@ import numpy as np
 from harness.eta.headline import SUCCESS
 from harness.eta.index import Estimate
 from harness.eta.ranking import (
-    PLACES,
-    REWARDS,
+    FEWEST_RANKED,
     Answer,
     Order,
     Transplant,
@@ -237,7 +236,7 @@ def _rank(results: Results, found: Sequence[_Found]) -> TaskRanking | None:
     """The ranking of a task; None if there is nothing to compare."""
     every = tuple(dict.fromkeys(reward for it in found for reward in it.runs))
     rewards = [reward for reward in every if all(reward in it.runs for it in found)]
-    if len(rewards) < REWARDS or len(found) < PLACES:
+    if min(len(rewards), len(found)) < FEWEST_RANKED:
         return None
     shared = [sorted(set.intersection(*({*it.runs[reward]} for reward in rewards))) for it in found]
     if not all(shared):
@@ -316,7 +315,7 @@ def _why_none(tasks: Iterable[Sequence[_Found]]) -> str:
     """Why there is no ranking, by the task with the most places."""
     most = max(tasks, key=len, default=())
     rewards = set.intersection(*(set(it.runs) for it in most)) if most else set()
-    if len(rewards) >= REWARDS and len(most) >= PLACES:
+    if min(len(rewards), len(most)) >= FEWEST_RANKED:
         return "in a place no seed is done under every reward"
     here = f"{len(rewards)} reward{'s' * (len(rewards) != 1)} in {len(most)} place{'s' * (len(most) != 1)}"
-    return f"at least {REWARDS} rewards in {PLACES} places are needed, and this experiment has {here}"
+    return f"at least {FEWEST_RANKED} rewards in {FEWEST_RANKED} places are needed, and this experiment has {here}"

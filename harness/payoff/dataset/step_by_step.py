@@ -75,10 +75,8 @@ class _StepByStep:
         steps = [*map(recorded, observed[1:], did, told, *ends.values(), before)]
         self._before = did[-1], told[-1]
         self._has_blanks |= not (begun and all(comes[:seen]) and all(done))
-        if self._has_blanks:
-            paid = [self._with_blanks(step, blank) for step in steps[:seen]]
-        else:
-            paid = self._reward(steps[:seen])
+        known = steps[:seen]
+        paid = [self._with_blanks(step, blank) for step in known] if self._has_blanks else self._reward(known)
         paid += filter(None, (self._without_next(step, unseen) for step in steps[seen:]))
         if unseen.looked_at and seen == count:  # and went on
             unseen[0]
