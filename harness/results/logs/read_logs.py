@@ -357,7 +357,7 @@ def _group(runs: Sequence[Run], steps: int) -> Group:
 
 
 MOST_STEPS = 10**12
-"""What is larger is a clock, of no training."""
+"""No training takes more: a larger number tells the time of day."""
 TIMES = {TIME: "steps", LENGTH: "steps", "iteration": "iterations"}
 """Columns that tell how much of a training was done, of episodes by their lengths, and what it is counted in."""
 
