@@ -5,16 +5,28 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 
 from harness.arrays import Float, Float32, Mask
+from harness.face import face_of
 from harness.policy import Policy
-from harness.progress import Progress
+from harness.record.progress import (
+    Progress as Progress,
+    Ring as Ring,
+    TrainingState as TrainingState,
+    as_state as as_state,
+    under as under,
+)
 
 if TYPE_CHECKING:
     from gymnasium import Space
 
+    from harness.authoring.act_without_learning import act_for as act_for
+    from harness.authoring.generator_state import (
+        pack_generator as pack_generator,
+        restore_generator as restore_generator,
+    )
     from harness.robot import Robot
     from harness.task import Task
-
-__all__ = ["ActionSpace", "Algorithm", "Goals", "TrainingEnv"]
+else:
+    __all__, __getattr__ = face_of(__name__, __file__, "ActionSpace", "Algorithm", "Goals", "TrainingEnv")
 
 ActionSpace: TypeAlias = Literal["continuous", "discrete"]
 
@@ -121,7 +133,7 @@ class Algorithm(Protocol):
             steps: Environment steps to take, a multiple of `num_envs`. Go on deciding until `env.environment_steps` has
                 grown by this number. The last decision is not cut short.
             seed: The seed of everything random in the algorithm. The same seed gives the same policy, bit for bit.
-            progress: Call it now and then, and at the end; see `harness.progress.Progress` for more.
+            progress: Call it now and then, and at the end; see `harness.algorithm.Progress` for more.
         """
 
 

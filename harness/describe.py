@@ -20,7 +20,7 @@ from harness.environment import Environment
 from harness.errors import HarnessError, UsageError
 from harness.hookspecs import NOUNS
 from harness.log import LogFormat
-from harness.measure import Measure, needs_of as measure_needs
+from harness.log.measure import Measure, needs_of as measure_needs
 from harness.motion.discrete import Discrete
 from harness.motion.modes import MODES
 from harness.motion.motion import MoveJ

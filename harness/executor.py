@@ -1,17 +1,26 @@
-"""The interface that an executor fills: it gets cells done, wherever it likes."""
+"""What happens around cells: executors get them done, trackers show them elsewhere, screens look at rewards before."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Literal, NamedTuple, Protocol, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, Self, TypeAlias
 
+from harness.face import face_of
 from harness.files.plain import Plain
-from harness.record.cell import Cell
+from harness.record.cell import Cell as Cell
 from harness.registry.given import Given
 
-__all__ = ["Cell", "Event", "Executor", "Job", "OnEvent", "Word"]
+if TYPE_CHECKING:
+    from harness.authoring.folder_parts import Part as Part, add_parts as add_parts, parts_of as parts_of
+    from harness.experiment.jobs import run_job as run_job, run_jobs as run_jobs
+    from harness.experiment.screening import Screen as Screen, Screened as Screened
+else:
+    __all__, __getattr__ = face_of(
+        __name__, __file__,
+        "Event", "Executor", "Job", "OnEvent", "Outcome", "Track", "TrackedCell", "Tracker", "Word",
+    )  # fmt: skip
 
 NO_SCALARS: Mapping[str, float] = MappingProxyType({})
 
@@ -69,7 +78,7 @@ class Word(NamedTuple):
 
     Attributes:
         steps: Environment steps done so far.
-        scalars: Numbers to watch, by name; those that `harness.progress` names come about once a second.
+        scalars: Numbers to watch, by name; those that `harness.record.progress` names come about once a second.
     """
 
     steps: int
@@ -114,4 +123,58 @@ class Executor(Protocol):
         ``progress``, and once with ``ended``. If a cell crashes or is killed, the others go on. If an exception ends
         this method (above all KeyboardInterrupt), no cell is left running. `harness.experiment.jobs` has building
         blocks.
+        """
+
+
+Outcome: TypeAlias = Literal["done", "failed", "interrupted"]
+
+
+@dataclass(frozen=True)
+class TrackedCell:
+    """What a tracker gets to know about a cell.
+
+    Attributes:
+        id: At most 28 digits, letters and ``-``. No other cell has this id. A cell that is done again from the start
+            gets a new id. A cell that goes on from a checkpoint after its run was killed keeps its id.
+        title: A name for people: the combination and the seed.
+        group: A name for people: the combination. All seeds of a combination share it.
+        config: Every parameter of the cell by name, such as ``reward.k1``; text, numbers, bool, None and lists of them.
+        folder: The experiment's folder. A tracker may make a folder of its own name in it.
+    """
+
+    id: str
+    title: str
+    group: str
+    config: Mapping[str, Any]
+    folder: Path
+
+
+class Track(Protocol):
+    """What a tracker keeps of one cell."""
+
+    def log(self, steps: int, scalars: Mapping[str, float]) -> None:
+        """Numbers by name, such as ``Training/Success Rate``, as they are after `steps` environment steps.
+
+        `steps` never becomes smaller, except in the last calls of an evaluation. Several calls may have the same
+        `steps`, with other names. Numbers may be NaN or infinite.
+        """
+
+    def end(self, outcome: Outcome, reason: str) -> None:
+        """The cell has ended. If it failed, `reason` says why. `log` is not called afterwards."""
+
+
+class Tracker(Protocol):
+    """A frozen dataclass whose fields are its settings: ``--tracker wandb:project=arms,mode=offline``.
+
+    All calls except `why_not` come from one thread. It is not the thread that runs the experiment, so a tracker may
+    wait for a server. A tracker that raises an exception is not called again, and the cells go on.
+    """
+
+    def why_not(self) -> str:
+        """Why it cannot be used now, and what to do about it; empty if it can. Writes nothing, calls no server."""
+
+    def begin(self, cell: TrackedCell) -> Track:
+        """A cell begins, or it goes on. If it goes on, another process has called `begin` with the same `cell.id`.
+
+        Several cells are tracked at once. If a cell goes on, what was logged before is not logged again.
         """

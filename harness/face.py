@@ -15,34 +15,57 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+_NAMES = {
+    "harness.authoring": {
+        "harness.algorithm": "act_for pack_generator restore_generator",
+        "harness.executor": "Part add_parts parts_of run_job run_jobs",
+        "harness.policy": "Categorical Deterministic Gaussian Greedy SquashedGaussian layer_weights",
+        "harness.reward": "ObservedReward WrappedReward",
+        "harness.robot": "forward link_frames reach_position",
+        "harness.simulator": "GroundContact ServoTrack Substeps servo_of",
+    },
+    "harness.measure": {"harness.log": "Measure"},
+    "harness.progress": {"harness.algorithm": "Progress Ring TrainingState as_state under"},
+    "harness.reach": {"harness.task": "ReachTask place_box", "harness.reward": "Pay"},
+    "harness.screen": {"harness.executor": "Screen Screened"},
+    "harness.section": {"harness.results": "Section Shown"},
+    "harness.tracker": {"harness.executor": "Outcome Track TrackedCell Tracker"},
+}
+"""By module that had them, the names of each module that has them now."""
 MOVED = {
-    "harness.authoring.Categorical": "harness.policy.Categorical",
-    "harness.authoring.Deterministic": "harness.policy.Deterministic",
-    "harness.authoring.Gaussian": "harness.policy.Gaussian",
-    "harness.authoring.Greedy": "harness.policy.Greedy",
-    "harness.authoring.SquashedGaussian": "harness.policy.SquashedGaussian",
+    **{
+        f"{before}.{name}": f"{now}.{name}"
+        for before, homes in _NAMES.items()
+        for now, names in homes.items()
+        for name in names.split()
+    },
+    **{
+        f"harness_plugins.sb3.{kind}": "harness_plugins.sb3.policy_from"
+        for kind in ("categorical", "deterministic", "gaussian", "greedy", "squashed_gaussian")
+    },
     "harness.authoring.add_part": "harness.authoring.folder_parts.add_part",
     "harness.authoring.events_of": "harness.experiment.jobs.events_of",
-    "harness.authoring.forward": "harness.robot.forward",
-    "harness.authoring.link_frames": "harness.robot.link_frames",
     "harness.authoring.order_of": "harness.experiment.jobs.order_of",
-    "harness.authoring.reach_position": "harness.robot.reach_position",
-    "harness.authoring.servo_of": "harness.simulator.servo_of",
     "harness.environment.Measure": "harness.reward.Given",
-    "harness.metric.Metric": "harness.measure.Measure",
+    "harness.log.LARGEST": "harness.log.log.LARGEST",
+    "harness.policy.InverseKinematics": "harness.policy.inverse_kinematics.InverseKinematics",
+    "harness.metric.Metric": "harness.log.Measure",
+    "harness.reach.FD100_REACH": "harness.robot.robot.FD100_REACH",
+    "harness.reward.LARGEST_FACTOR": "harness.reward.reward.LARGEST_FACTOR",
     "harness.results.load_results": "harness.load_results",
     "harness.robot.inverse_kinematics.reach_position": "harness.robot.reach_position",
-    "harness_plugins.sb3.categorical": "harness_plugins.sb3.policy_from",
-    "harness_plugins.sb3.deterministic": "harness_plugins.sb3.policy_from",
-    "harness_plugins.sb3.gaussian": "harness_plugins.sb3.policy_from",
-    "harness_plugins.sb3.greedy": "harness_plugins.sb3.policy_from",
-    "harness_plugins.sb3.squashed_gaussian": "harness_plugins.sb3.policy_from",
+    "harness_plugins.kit.violations": "harness_plugins.kit.contract.violations",
 }
 """By name, where it is now. They leave with 0.6."""
 INSTEAD = {
     "harness.authoring.add_part": "write `add_parts(folder, [part])`",
     "harness.authoring.events_of": "`run_jobs` gives the same events to a function",
     "harness.authoring.order_of": "`run_jobs([job], 1, on_event)` does a job anywhere",
+    "harness.log.LARGEST": "`in_memory` refuses what is larger",
+    "harness.policy.InverseKinematics": "the algorithm `ik` yields one",
+    "harness.reach.FD100_REACH": "`robot.scale` is the arm's reach as a share of it",
+    "harness.reward.LARGEST_FACTOR": "annotate the field with `harness.reward.Pay`",
+    "harness_plugins.kit.violations": "call each of `CHECKS[kind]`",
 }
 """What to write where a name has no place that stays."""
 _KIT = "the checks of plugins are in harness_plugins.kit, as in `from harness_plugins.kit import check_contract`"
@@ -58,7 +81,7 @@ LEFT = {
     "harness.audit_dataset": "type `harness audit FILE`",
     "harness.audit_rewards": "type `harness audit --reward NAME`",
     "harness.record.trace.Trace": "write `from harness.log import Log`; log['distance'] is a column, and "
-    "`harness.authoring.trace_of(columns)` makes a log for a test",
+    "`harness.log.trace_of(columns)` makes a log for a test",
     "harness.score.open_recording": "type `harness score FILE`",
     "harness.testing": _KIT,
     "harness_plugins.kit.check_export": "type `harness export FOLDER --format NAME` and load what it wrote",
@@ -68,6 +91,7 @@ LEFT = {
 }
 """By name, what to write or to type in its place."""
 GONE = (
+    *(set(_NAMES) - {"harness.authoring"}),
     *("harness.metric", "harness.robot.inverse_kinematics", "harness.score.open_recording", "harness.testing"),
     *("harness.transfer", "harness.transfer.jobs", "harness.tune", "harness.tune.tune"),
 )
@@ -104,7 +128,7 @@ def know_earlier_modules() -> None:
         vars(module).update(__spec__=ModuleSpec(name, None), __getattr__=partial(lookup, name))
 
 
-def face_of(module: str, path: str) -> tuple[list[str], Callable[[str], Any]]:
+def face_of(module: str, path: str, *own: str) -> tuple[list[str], Callable[[str], Any]]:
     """A module's ``__all__`` and ``__getattr__``: the names that it imports as ``X as X``, which makes them public.
 
     Those that it imports for type checkers alone are looked up when they are first used. So each name is written once,
@@ -113,6 +137,7 @@ def face_of(module: str, path: str) -> tuple[list[str], Callable[[str], Any]]:
     Args:
         module: The module's name.
         path: The module's own file.
+        own: What it defines itself and makes public.
     """
     imports = [
         it for it in ast.walk(ast.parse(Path(path).read_text(encoding="utf-8"))) if isinstance(it, ast.ImportFrom)
@@ -124,4 +149,4 @@ def face_of(module: str, path: str) -> tuple[list[str], Callable[[str], Any]]:
             return lookup(module, name)
         return getattr(importlib.import_module(homes[name], module), name)
 
-    return sorted(homes), look_up
+    return sorted([*homes, *own]), look_up

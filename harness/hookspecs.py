@@ -58,7 +58,7 @@ class Hooks:
 
     @hookspec
     def register_metrics(self, register: Register) -> None:
-        """Targets: a frozen dataclass that is a `harness.measure.Measure`."""
+        """Targets: a frozen dataclass that is a `harness.log.Measure`."""
 
     @hookspec
     def register_robots(self, register: Register) -> None:
@@ -82,7 +82,7 @@ class Hooks:
 
     @hookspec
     def register_trackers(self, register: Register) -> None:
-        """Targets: a frozen dataclass that is a `harness.tracker.Tracker`."""
+        """Targets: a frozen dataclass that is a `harness.executor.Tracker`."""
 
     @hookspec
     def register_logs(self, register: Register) -> None:
@@ -90,11 +90,11 @@ class Hooks:
 
     @hookspec
     def register_screens(self, register: Register) -> None:
-        """Targets: a frozen dataclass that is a `harness.screen.Screen`."""
+        """Targets: a frozen dataclass that is a `harness.executor.Screen`."""
 
     @hookspec
     def register_sections(self, register: Register) -> None:
-        """Targets: a frozen dataclass that is a `harness.section.Section`, with the name of its command."""
+        """Targets: a frozen dataclass that is a `harness.results.Section`, with the name of its command."""
 
     @hookspec
     def register_commands(self, register: Register) -> None:

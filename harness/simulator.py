@@ -1,17 +1,24 @@
 """The interface that a simulator fills. It knows joints and metres, never tasks or rewards."""
 
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
+from harness.face import face_of
 from harness.robot import Robot
 from harness.robot.joint_limits import Servo
 from harness.robot.settings import FILE, SERVO
 
-__all__ = ["Simulation", "Simulator", "State", "servo_of"]
+if TYPE_CHECKING:
+    from harness.authoring.ground_contact import GroundContact as GroundContact
+    from harness.authoring.servo_track import ServoTrack as ServoTrack
+    from harness.authoring.substeps import Substeps as Substeps
+    from harness.scene.picture import Camera as Camera, StillFrames as StillFrames
+else:
+    __all__, __getattr__ = face_of(__name__, __file__, "Simulation", "Simulator", "State", "servo_of")
 
 
 class State(NamedTuple):

@@ -7,27 +7,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from harness.arrays import Float, Float32, Mask
-from harness.goal import Goal, Situation
-from harness.motion.modes import build_motion
-from harness.motion.motion import Motion, Setting
+from harness.face import face_of
+from harness.goal import Goal as Goal, Situation as Situation
+from harness.motion.modes import build_motion as build_motion
+from harness.motion.motion import Motion as Motion, Setting as Setting
 from harness.registry.choice import Choice, Registry, choose
 from harness.robot import Robot
 from harness.robot.robot import load_robot
 
 if TYPE_CHECKING:
     from harness.env.episodes import Episodes
-
-__all__ = [
-    "LONGEST_EPISODE",
-    "Goal",
-    "Motion",
-    "Observation",
-    "Setting",
-    "Situation",
-    "Targets",
-    "Task",
-    "build_motion",
-]
+    from harness.env.reach_task import ReachTask as ReachTask, place_box as place_box
+else:
+    __all__, __getattr__ = face_of(__name__, __file__, "LONGEST_EPISODE", "Observation", "Targets", "Task")
 
 LONGEST_EPISODE = 1_000_000_000
 """The most steps of an episode: as many as a training may have."""
@@ -66,7 +58,7 @@ class Observation(Protocol):
 
 
 class Task(Protocol):
-    """A frozen dataclass whose fields are the task's parameters. `harness.reach.ReachTask` is one.
+    """A frozen dataclass whose fields are the task's parameters. `harness.task.ReachTask` is one.
 
     An environment step is one control period. The learner decides every `decision_period` environment steps. Its action
     is repeated in between, and every environment step pays a reward.

@@ -159,7 +159,9 @@ def register_tasks(register: harness.Register) -> None:
         "harness_plugins.tasks.unity:Arp2021",
         summary="the published experiment: fixed start and target, joint angles are set",
     )
-    register("fd100-reach", "harness.reach:ReachTask", summary="bring the FD100's end effector to a target in a box")
+    register(
+        "fd100-reach", "harness.env.reach_task:ReachTask", summary="bring the FD100's end effector to a target in a box"
+    )
     worse = "harness_plugins.tasks.worse"
     register("noisy-reach", f"{worse}:NoisyReach", summary="fd100-reach with noise on what is seen and done")
     register("delayed-reach", f"{worse}:DelayedReach", summary="fd100-reach seen 0.1 s late and done 0.1 s late")

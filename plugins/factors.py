@@ -4,6 +4,6 @@ from typing import Annotated, TypeAlias
 
 from pydantic import Field
 
-from harness.reward import LARGEST_FACTOR
+from harness.reward import Pay
 
-Factor: TypeAlias = Annotated[float, Field(gt=0, le=LARGEST_FACTOR, allow_inf_nan=False)]
+Factor: TypeAlias = Annotated[Pay, Field(gt=0)]

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.progress import TrainingState
+from harness.algorithm import TrainingState
 
 if TYPE_CHECKING:
     from torch import Tensor

@@ -16,14 +16,21 @@ def _name_of(path):
 
 
 SOURCES = {_name_of(path): path.read_text() for path in sorted(ROOT.rglob("*.py"))}
-FACE = "harness"
-"""The package itself: for type checkers it imports what it looks up by name when somebody asks."""
+FOR_CHECKERS = "TYPE_CHECKING"
 
 
-def _imports(tree):
+def _looked_up(tree):
+    """The imports by which a face says what it looks up when somebody asks: `X as X`, for type checkers."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == FOR_CHECKERS:
+            found = [it for it in node.body if isinstance(it, ast.ImportFrom)]
+            yield from (it for it in found if all(alias.name == alias.asname for alias in it.names))
+
+
+def _imports(tree, left_out):
     """Module and names of every import, at whatever depth, those for type checkers too."""
     for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.expr):
+        if isinstance(node, ast.expr) or node in left_out:
             continue  # imports nothing
         if isinstance(node, ast.Import):
             yield from ((alias.name, []) for alias in node.names)
@@ -31,19 +38,23 @@ def _imports(tree):
             assert node.level == 0, "imports are absolute here"
             yield node.module or "", [alias.name for alias in node.names]
         else:
-            yield from _imports(node)
+            yield from _imports(node, left_out)
 
 
 def import_graph(sources):
-    """By module: the modules of `sources` that it imports anywhere. What the package itself looks up is left out."""
+    """By module: the modules of `sources` that it imports anywhere; of a face's names the modules that they are from.
+
+    What a face looks up when somebody asks is no import of its own.
+    """
+    trees = {module: ast.parse(source) for module, source in sources.items()}
+    asked = {module: [*_looked_up(tree)] for module, tree in trees.items()}
+    homes = {(face, it.name): node.module for face, nodes in asked.items() for node in nodes for it in node.names}
     graph = {module: set() for module in sources}
-    for module, source in sources.items():
-        if module == FACE:
-            continue
-        for imported, names in _imports(ast.parse(source)):
+    for module, tree in trees.items():
+        for imported, names in _imports(tree, asked[module]):
             for name in names or [""]:
                 inner = f"{imported}.{name}"  # a module of a package, or a name in a module
-                graph[module].add(inner if inner in sources else imported)
+                graph[module] |= {inner if inner in sources else imported, homes.get((imported, name), imported)}
         graph[module] &= set(sources)
     return graph
 
@@ -86,6 +97,10 @@ CIRCLES = {
         "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import harness.a\n",
     ),
     "of one": ("import harness.a\n", ""),
+    "by way of what a face looks up": (
+        "from harness.b import f\n",
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from harness.a import f as f\n",
+    ),
 }
 
 

@@ -168,7 +168,7 @@ def test_every_name_that_people_read_exists():
 
 WRONG = {
     "module": ("see `harness.tasks.Task`", "harness.tasks.Task"),
-    "attribute": ("a `harness.task.ReachTask`.", "harness.task.ReachTask"),
+    "attribute": ("a `harness.task.ReachTusk`.", "harness.task.ReachTusk"),
     "attribute of an attribute": ("harness.policy.Policy.loads", "harness.policy.Policy.loads"),
     "behind a field": ("harness.record.cell.Cell.simulator.nome", "harness.record.cell.Cell.simulator.nome"),
     "instance": ("`harness.env.episodes.Episodes.flag`", "harness.env.episodes.Episodes.flag"),
@@ -176,7 +176,7 @@ WRONG = {
     "call": ("`harness.rum()`", "harness.rum"),
     "member": ("saved by `Policy.keep`", "Policy.keep"),
     "file": ("the loop of `harness/evaluate.py`", "harness/evaluate.py"),
-    "import": ("```python\nfrom harness.reach import ReechTask\n```", "harness.reach.ReechTask"),
+    "import": ("```python\nfrom harness.task import ReechTask\n```", "harness.task.ReechTask"),
     "member in code": (
         "```python\nfrom harness.policy import Policy\n\nPolicy.loads(x)\n```",
         "harness.policy.Policy.loads",

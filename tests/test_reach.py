@@ -13,9 +13,10 @@ from numpy.testing import assert_allclose, assert_array_equal, assert_array_less
 from scipy.spatial.transform import Rotation
 
 import harness
-from harness.reach import FD100_CENTER, FD100_HALF_EXTENT, FD100_MOUNT, ReachTask, place_box, way_to_mount
+from harness.env.reach_task import FD100_CENTER, FD100_HALF_EXTENT, FD100_MOUNT, way_to_mount
 from harness.robot import reach_position
 from harness.robot.robot import read_robot
+from harness.task import ReachTask, place_box
 from tests.refusals import refused
 from tests.robot.brought_arms import TABLE_MOUNT, changed, read_arm
 

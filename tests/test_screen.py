@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import pytest
 
+from harness.executor import Screened
 from harness.experiment.plan import check_experiment, expand
+from harness.experiment.screening import CANNOT_TELL, FAILING, NOTHING, screened
 from harness.registry import Registry, Spec, load_registry
-from harness.screen import CANNOT_TELL, FAILING, NOTHING, Screened, screened
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,7 @@ from typing import ClassVar
 
 import pytest
 
-from harness.reach import ReachTask
-from harness.task import varies
+from harness.task import ReachTask, varies
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 
 

@@ -22,8 +22,8 @@ import harness
 from harness.executor import Event
 from harness.experiment.run_cell import run_cell
 from harness.policy import SquashedGaussian, UniformChoice
-from harness.reach import ReachTask
 from harness.simulator import State
+from harness.task import ReachTask
 
 
 @harness.hookimpl

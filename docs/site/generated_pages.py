@@ -40,11 +40,9 @@ RECORD = re.compile(r"results/reference/([\w/-]+)/summary\.md")
 """Records may stand in a folder of several; pages of them stand beside one another."""
 ROBOT = re.compile(r"robots/(\w+)/README\.md")
 PUBLIC = (
-    "harness", "harness.simulator", "harness.task", "harness.reach", "harness.environment", "harness.reward",
-    "harness.algorithm", "harness.progress", "harness.policy", "harness.measure", "harness.executor",
-    "harness.tracker", "harness.log", "harness.files", "harness.robot", "harness.results", "harness.screen",
-    "harness.section", "harness.errors", "harness.arrays", "harness.authoring", "harness_plugins.kit",
-    "harness_plugins.sb3",
+    "harness", "harness.simulator", "harness.task", "harness.environment", "harness.reward", "harness.algorithm",
+    "harness.policy", "harness.executor", "harness.log", "harness.files", "harness.robot", "harness.results",
+    "harness.errors", "harness_plugins.kit", "harness_plugins.sb3",
 )  # fmt: skip
 """The modules whose names, those of ``__all__``, are for everybody: all that a plugin may import."""
 MODULES = (*PUBLIC, "harness.log.log", "harness.hookspecs", "harness_plugins.kit.pytest_plugin")

@@ -5,7 +5,7 @@ import numpy as np
 from harness.algorithm import TrainingEnv
 from harness.authoring.generator_state import pack_generator, restore_generator
 from harness.policy import Policy
-from harness.progress import Progress, TrainingState, as_state
+from harness.record.progress import Progress, TrainingState, as_state
 
 TELL_EVERY, RESTART_EVERY = 100, 500
 """Decisions from one word of progress to the next, and from one start of new episodes in all envs to the next."""

@@ -8,10 +8,10 @@ from harness.cli.output import say
 from harness.errors import UsageError
 from harness.eta.auc import AGAINST
 from harness.eta.headline import Answer
+from harness.experiment.screening import FAILING, LOITERING
 from harness.registry.choice import split_list
 from harness.registry.spec import unknown_name
 from harness.report.rows.comparison import word_of
-from harness.screen import FAILING, LOITERING
 
 if TYPE_CHECKING:
     from harness.results import Results

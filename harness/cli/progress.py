@@ -16,9 +16,9 @@ from rich.table import Column
 from rich.text import Text
 
 from harness.executor import Event
-from harness.progress import RETURN, SPEED, SUCCESS
 from harness.record.cell import Cell
 from harness.record.pace import Pace
+from harness.record.progress import RETURN, SPEED, SUCCESS
 from harness.report.tables.grid import Terminal
 from harness.text import LONGEST_MESSAGE
 

@@ -261,8 +261,8 @@ def _read_asked(path: Path | None, given: Mapping[str, Any]) -> "Experiment":
 def screen(ready: "ExperimentRun") -> "list[Said]":
     """Say what screens find in the rewards that are to be trained."""
     from harness.cli.fail_on import Said
+    from harness.experiment.screening import screened
     from harness.results.comparison import Group
-    from harness.screen import screened
 
     say("What the rewards pay for, before anything is trained:", err=True)
     found, said = screened(ready.plan.cells, ready.registry), list[Said]()

@@ -10,7 +10,7 @@ from harness.conditions.obstacles import NUMBERS, seen_from
 from harness.env.episodes import Episodes
 from harness.goal import Goal
 from harness.motion.motion import MoveJ, MoveJAbsolute, SetJoints
-from harness.policy import InverseKinematics
+from harness.policy.inverse_kinematics import InverseKinematics
 from harness.robot import Robot
 from harness.task import Task, goal_of
 

@@ -15,7 +15,7 @@ from harness.env.surroundings import Surroundings, extra_columns
 from harness.errors import UsageError
 from harness.motion.discrete import Discrete
 from harness.motion.motion import Motion, Move
-from harness.progress import TrainingState, as_state, prefixed, under
+from harness.record.progress import TrainingState, as_state, prefixed, under
 from harness.record.trace import QVEL, TERM, Recorder
 from harness.reward import (
     Carry,

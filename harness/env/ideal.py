@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.errors import SchemaError, UsageError
-from harness.progress import TrainingState, as_state
+from harness.record.progress import TrainingState, as_state
 from harness.robot import Robot
 from harness.robot.ground_clearance import build_solids
 from harness.robot.kinematics import child_frames, link_frames

@@ -14,7 +14,7 @@ from harness.conditions.varied_robot import draw_robot
 from harness.env.episodes import Episodes
 from harness.env.random_streams import Seed
 from harness.motion.motion import Motion
-from harness.progress import TrainingState, as_state, prefixed, under
+from harness.record.progress import TrainingState, as_state, prefixed, under
 from harness.robot import Robot
 from harness.robot.kinematics import reach_position
 from harness.simulator import Simulation, Simulator, State

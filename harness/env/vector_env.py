@@ -17,8 +17,8 @@ from harness.env.random_streams import Seed
 from harness.errors import UsageError
 from harness.motion.discrete import Discrete
 from harness.motion.motion import Motion
-from harness.progress import TrainingState
 from harness.record.cell import Cell
+from harness.record.progress import TrainingState
 from harness.record.trace import COLUMN, Recorder
 from harness.registry.choice import Choice, Registry, choose
 from harness.registry.registry import load_registry

@@ -177,7 +177,7 @@ def work_of(world: World, kept: Sequence[Rows]) -> tuple[float, ...] | None:
 def ik_steps(world: World, episodes: int, seed: int) -> tuple[int | None, ...] | None:
     """The environment steps to the first target, by env; None of an env where it is not reached.
 
-    `harness.policy.InverseKinematics` acts, in the same world and from the same starts. It does not look out for the
+    `harness.policy.inverse_kinematics` acts, in the same world and from the same starts. It does not look out for the
     ground: an episode that ends there has not reached its target.
 
     Args:

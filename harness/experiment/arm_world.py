@@ -20,8 +20,8 @@ from harness.experiment.workers.order import named_scalars
 from harness.experiment.world import CellWorld, LastEpisodes
 from harness.log import Log
 from harness.policy import Policy
-from harness.progress import TERMS
 from harness.record.folder import SUFFIX, TRACE
+from harness.record.progress import TERMS
 from harness.record.returns import PAID, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
 from harness.record.trace import COLUMN, INTEGERS, TERM, Recorder, Rows, TraceWriter, read_trace, terms_of

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Any, Unpack
 
 from harness.errors import UsageError
-from harness.executor import Event, Executor, Job, OnEvent
+from harness.executor import Event, Executor, Job, OnEvent, Tracker
 from harness.experiment.changed import Sources, changed_cells, refuse_changed
 from harness.experiment.followed import EndedCells, Followed, OnTrouble, Trackers, Tracking, build_trackers
 from harness.experiment.looks import refuse_other_looks
@@ -33,7 +33,6 @@ from harness.results import Results
 from harness.results.load import load_results
 from harness.results.results import standing_of
 from harness.text import visible
-from harness.tracker import Tracker
 
 DEFAULT_FOLDER = Path("results") / "runs"
 

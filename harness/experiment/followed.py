@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from harness.errors import PluginError, SchemaError, UsageError, one_line
-from harness.executor import Event, OnEvent
+from harness.executor import Event, OnEvent, Outcome, Track, TrackedCell, Tracker
 from harness.record.cell import RUNNING, Cell, Manifest, Running, read_manifest, write_running
 from harness.record.recording.recorded_training import recordings_in
 from harness.record.store import Store
@@ -21,7 +21,6 @@ from harness.results.metrics import named_measures
 from harness.results.recordings.recording_results import RecordingResults
 from harness.results.recordings.recordings import numbers_in_environment
 from harness.results.table import Numbers, metric_columns, write_table
-from harness.tracker import Outcome, Track, TrackedCell, Tracker
 
 CLOSE_WITHIN = 60.0
 """Seconds that trackers get to finish when all cells have ended."""

@@ -22,7 +22,6 @@ from harness.experiment.world import CellWorld
 from harness.files.bounded import whole_file
 from harness.files.plain import Plain
 from harness.policy import Policy, load_policy
-from harness.progress import Progress, TrainingState
 from harness.record.cell import Cell, Ending, Manifest, now
 from harness.record.folder import (
     CHECKPOINT,
@@ -36,6 +35,7 @@ from harness.record.folder import (
     publish,
     recording_of,
 )
+from harness.record.progress import Progress, TrainingState
 from harness.registry.choice import Registry
 from harness.registry.registry import load_registry
 

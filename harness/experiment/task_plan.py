@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
 from harness.algorithm import IN_ENVIRONMENTS, ActionSpace, Algorithm, needs_goals, why_not
 from harness.errors import UsageError, sentence
 from harness.eta.laws import require_direction
-from harness.measure import Measure
+from harness.log.measure import Measure
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON
 from harness.registry.choice import Choice, Registry, choose, kind_of_task, require_known, split_list
 from harness.registry.measure_functions import EPISODE, HIGHER, LOWER, SUCCESS

@@ -19,8 +19,8 @@ from harness.experiment.provenance import describe_environment
 from harness.experiment.workers.order import TELL_EVERY, Beat, Report
 from harness.log.log import OpenEpisodes
 from harness.policy import Policy
-from harness.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TrainingState
 from harness.record.cell import Cell
+from harness.record.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS, TrainingState
 from harness.registry.choice import Registry
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class LastEpisodes:
             self._add_up()
 
     def means(self) -> dict[str, float]:
-        """Means of what is known of these episodes, by the names of `harness.progress`; empty before one has ended."""
+        """Means of what is known of these episodes, by name; empty before one has ended."""
         self._add_up()
         told = ((name, of[~np.isnan(of)]) for name, of in zip(self._names, np.array(self._ended).T, strict=False))
         return {name: float(of.mean()) for name, of in told if len(of)}
@@ -147,7 +147,7 @@ class CellWorld(ABC):
             yield batch
 
     def learned(self, steps: int, *, if_due: bool = False) -> Mapping[str, float]:
-        """What the last episodes came to, by the names of `harness.progress`; nothing between two times to tell it."""
+        """What the last episodes came to, by name; nothing between two times to tell it."""
         now = time.monotonic()
         if steps == self._steps or (if_due and now < self._told + TELL_EVERY):
             return NO_SCALARS

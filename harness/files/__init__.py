@@ -13,5 +13,9 @@ if TYPE_CHECKING:
         read_bytes as read_bytes,
         reading as reading,
     )
+    from harness.registry.allowed import (
+        require_allowed as require_allowed,
+        require_program as require_program,
+    )
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

@@ -10,12 +10,16 @@ from harness.face import face_of
 from harness.log.facts import Failed as Failed, LogFacts as LogFacts
 from harness.log.format import LogFormat as LogFormat
 from harness.log.log import (
-    LARGEST as LARGEST,
     Log as Log,
     Rows as Rows,
     in_memory as in_memory,
     require_columns as require_columns,
 )
 
-if not TYPE_CHECKING:
+if TYPE_CHECKING:
+    from harness.log.measure import Measure as Measure
+    from harness.log.open_log import open_logs as open_logs
+    from harness.record.dataset.open_dataset import DatasetFacts as DatasetFacts
+    from harness.record.trace import episode_facts as episode_facts, trace_of as trace_of
+else:
     __all__, __getattr__ = face_of(__name__, __file__)

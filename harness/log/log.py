@@ -277,9 +277,12 @@ def in_memory(facts: LogFacts, columns: Columns) -> Log:
         columns: By name, (rows, ...) each, in order of time; the log keeps these arrays, so do not change them.
 
     Raises:
-        SchemaError: They have different numbers of rows.
+        SchemaError: They have different numbers of rows, or a number is beyond all returns.
     """
     _count(facts, columns)
+    for name, values in columns.items():
+        if values.dtype.kind == "f" and len(beyond := values[np.abs(values) > LARGEST]):
+            raise SchemaError(f"{facts.path}: a value of {name} is {beyond[0]:g}, which is beyond all returns")
     return Log(facts, tuple(columns), lambda names: [{name: columns[name] for name in names}], dict(columns))
 
 

@@ -15,7 +15,7 @@ SECTIONS = "sections"
 
 
 class Owner(Protocol):
-    """The part of a `harness.section.Section` that folders are checked and copied by."""
+    """The part of a `harness.results.Section` that folders are checked and copied by."""
 
     @property
     def what(self) -> str:

@@ -1,4 +1,4 @@
-"""Makes a `harness.measure.Measure` of a plain function of a step or of an episode that a user wrote.
+"""Makes a `harness.log.Measure` of a plain function of a step or of an episode that a user wrote.
 
 ::
 

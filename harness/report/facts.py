@@ -68,8 +68,8 @@ from harness.results.overview import (
 from harness.results.ranking import Ranking, ranking_of
 from harness.results.results import ReturnMatrix
 from harness.results.score_matrix import ScoreMatrix
+from harness.results.section import Shown, shown_sections
 from harness.results.trainings import Alone
-from harness.section import Shown, shown_sections
 from harness.text import shortened
 
 FEW = 3

@@ -17,7 +17,7 @@ from harness.eta.headline import SUCCESS
 from harness.eta.manner import OWN_AND_OTHER, TRAINING
 from harness.log import Log
 from harness.log.log import episode_sums
-from harness.measure import Measure
+from harness.log.measure import Measure
 from harness.record.cell import Cell, Manifest
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files, parts_of
 from harness.record.plan_file import StoredPlan

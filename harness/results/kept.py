@@ -37,7 +37,7 @@ MOST_VALUES = 64 * 2**20
 CODE = (
     "harness.eta.rescaling",
     "harness.log",
-    "harness.measure",
+    "harness.log.measure",
     "harness.record",
     "harness.results.by_term",
     "harness.results.cell_results",

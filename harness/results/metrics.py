@@ -19,7 +19,7 @@ from harness.eta.laws import Span
 from harness.files.plain import Plain
 from harness.hookspecs import NOUNS
 from harness.log import Log
-from harness.measure import Measure, bounds_of, is_error, is_share, is_time, needs_of
+from harness.log.measure import Measure, bounds_of, is_error, is_share, is_time, needs_of
 from harness.record.cell import SHOWN_DIGITS, Manifest
 from harness.registry.choice import Choice, Registry, choose, split_list
 from harness.registry.spec import unknown_name

@@ -21,7 +21,7 @@ from harness.eta.laws import Account, counted, is_left_out
 from harness.eta.verdict.looks import LookRuling
 from harness.files.plain import Plain, tells, to_plain
 from harness.log import Log
-from harness.measure import Measure
+from harness.log.measure import Measure
 from harness.record.cell import Cell, Manifest
 from harness.record.folder import TRACE, begun_by
 from harness.record.plan_file import StoredPlan

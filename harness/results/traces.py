@@ -11,7 +11,7 @@ from harness.eta.behaviour_change import Quantity
 from harness.eta.headline import DECIDING, SUCCESS
 from harness.eta.index import Estimate, mean_over_seeds
 from harness.eta.laws import Account
-from harness.measure import Measure, is_share
+from harness.log.measure import Measure, is_share
 from harness.record.cell import REMEDY, Cell, Manifest
 from harness.record.folder import EVALUATION
 from harness.registry.choice import Choice

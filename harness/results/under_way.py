@@ -16,9 +16,9 @@ from harness.arrays import Float
 from harness.errors import SchemaError, one_line
 from harness.eta.laws import Better, direction_of
 from harness.log.log import SUCCESS
-from harness.progress import LAST_EPISODES
 from harness.record.cell import Cell
 from harness.record.folder import TRACE, TRAINING_RECORDING, partial_folder
+from harness.record.progress import LAST_EPISODES
 from harness.record.recording.facts import facts_of
 from harness.record.recording.recorded_training import is_recording, read_recording
 from harness.record.returns import PAID

@@ -16,7 +16,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from harness.errors import UsageError
-from harness.reward.reward import LARGEST_FACTOR, Carry, Reward
+from harness.reward.reward import Carry, Pay, Reward
 from harness.reward.steps import Steps
 from harness.reward.terms import Needs, Paid, needs_of, paid_of, sum_of
 
@@ -27,9 +27,7 @@ FAILED = "failed"
 """The attribute of a reward's class that says why the function failed on made-up steps; empty if it did not."""
 MEMBERS = ("needs", FAILED, "initial_carry", FUNCTION)
 """What a reward has beside its parameters."""
-Weight = Annotated[
-    float, Field(ge=-LARGEST_FACTOR, le=LARGEST_FACTOR, description="weight of the term: what it pays is times this")
-]
+Weight = Annotated[Pay, Field(description="weight of the term: what it pays is times this")]
 
 
 def takes_alone(found: Any, argument: str) -> bool:

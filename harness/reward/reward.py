@@ -5,9 +5,10 @@ The gate: what is not finite reaches neither a learner nor a record.
 
 from collections.abc import Mapping
 from math import hypot, isfinite, isnan
-from typing import Any, Protocol, TypeAlias
+from typing import Annotated, Any, Protocol, TypeAlias
 
 import numpy as np
+from pydantic import Field
 
 from harness.arrays import Ints, Mask
 from harness.errors import SimulationDiverged
@@ -46,6 +47,8 @@ Array: TypeAlias = Any
 
 LARGEST_FACTOR = 1e18
 """The largest number that a parameter of our rewards and tasks may be: what follows from what they pay stays finite."""
+Pay: TypeAlias = Annotated[float, Field(ge=-LARGEST_FACTOR, le=LARGEST_FACTOR, allow_inf_nan=False)]
+"""The type of such a parameter, in a dataclass of pydantic's."""
 LARGEST_PAID = 1e150
 """The largest pay of a step that is counted with: its square is finite."""
 

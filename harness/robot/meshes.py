@@ -162,11 +162,6 @@ def _read(path: Path, modified: int) -> Mesh:
     return mesh
 
 
-def is_readable(path: Path) -> bool:
-    """Whether a file is of a format that `read_mesh` knows, and has what reads it."""
-    return path.suffix.lower() in READERS and not needs_extra(path)
-
-
 def needs_extra(path: Path) -> bool:
     """Whether a file is of a format whose reader is not installed."""
     return not all(map(find_spec, SCENES.get(path.suffix.lower(), ())))

@@ -258,7 +258,7 @@ FEWEST_JOINTS, MOST_JOINTS = 3, 8
 SUFFIXES = (".urdf", ".xacro", ".xml", FILE)
 """Endings of the files that describe robots; the name of no plugin has one."""
 FD100_REACH = 1.5413267497929588
-"""Reach of the FD100, [m]. Lengths of tasks and motions were chosen for it."""
+"""Reach of the FD100, [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -352,6 +352,16 @@ class Robot:
         """No end effector position is farther than this from the world's origin: the chain's begin and `reach` [m]."""
         return self.reach + float(np.linalg.norm(self.chain.T_previous_joint[0, :3, 3]))
 
+    @cached_property
+    def scale(self) -> float:
+        """The reach as a share of the FD100's, for whose reach the lengths of tasks and motions were chosen."""
+        return self.reach / FD100_REACH
+
+    @cached_property
+    def base_shapes(self) -> tuple[Shape, ...]:
+        """The collision shapes that no joint moves, in the world's frame."""
+        return attach_shapes(parse_urdf(self.urdf), self.link_shapes, (None,))[0]
+
     def scaled(self, length: float) -> float:
         """A length or speed of the tip that was chosen for the FD100, as large a share of this arm's reach.
 
@@ -362,8 +372,7 @@ class Robot:
             In the same unit, with three digits: it is to be read, and the same on all platforms. For the FD100, or an
             arm of its reach, the number itself.
         """
-        scale = self.reach / FD100_REACH
-        return length if math.isclose(scale, 1.0, rel_tol=1e-6) else float(f"{scale * length:.3g}")
+        return length if math.isclose(self.scale, 1.0, rel_tol=1e-6) else float(f"{self.scale * length:.3g}")
 
     def end_effector(self, qpos: ArrayLike) -> Float:
         """The end effector's position in the world frame.

@@ -15,7 +15,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.robot.kinematics import read_only, transform
-from harness.robot.meshes import distinct, read_mesh
+from harness.robot.meshes import Mesh, distinct, read_mesh
 from harness.robot.urdf import LARGEST, Urdf, Vector, linked, number_of
 from harness.text import shortened
 
@@ -72,24 +72,24 @@ def read_shapes(urdf: Urdf) -> dict[str, tuple[Shape, ...]]:
 
 
 def attach_shapes(
-    urdf: Urdf, shapes: Mapping[str, Sequence[Shape]], joint_names: Sequence[str]
+    urdf: Urdf, shapes: Mapping[str, Sequence[Shape]], joint_names: Sequence[str | None]
 ) -> tuple[tuple[Shape, ...], ...]:
     """The shapes that move with each joint of a chain, those of links fixed to the joint's child link included.
 
-    What no joint moves is left out, and what a joint beside the chain moves.
+    What others move is left out. The frame of the base is the world's.
 
     Args:
         urdf: What `harness.robot.normal_urdf.normal_urdf` returned.
         shapes: Those of its links, as `read_shapes` returns them.
-        joint_names: The joints of the chain that move, dof of them.
+        joint_names: The joints of the chain that move; None stands for the base.
 
     Returns:
-        One tuple per joint, dof entries; `T_link_shape` is in the frame of the joint's child link.
+        One tuple for each of them; `T_link_shape` is in the frame of the joint's child link.
 
     Raises:
         UsageError: The origin of a fixed joint cannot be computed with.
     """
-    attached: dict[str, list[Shape]] = {name: [] for name in joint_names}
+    attached: dict[str | None, list[Shape]] = {name: [] for name in joint_names}
     for link, group in shapes.items():
         joint, T_child_link = moving_carrier(link, urdf.carriers)
         if joint in attached:
@@ -200,6 +200,26 @@ def read_scale(mesh: Element, owner: str) -> Float:
     if not scale.all():
         raise UsageError(f"{owner} has {mesh.get('scale')!r} in <mesh scale=...>. Give factors that are not 0.")
     return scale
+
+
+def read_surface(visual: Element, owner: str) -> tuple[Mesh, Float]:
+    """The surface of a <visual> with a <mesh>, scaled, and T_link_mesh, (4, 4); lengths in [m].
+
+    A mirrored mesh has its corners in the other order, so that they stay counter-clockwise.
+
+    Args:
+        visual: The element.
+        owner: What an error begins with, as ``Link 'hand'``.
+
+    Raises:
+        UsageError: The file cannot be read as a mesh, or scale or origin are none.
+    """
+    element = visual.find("geometry/mesh")
+    if element is None:
+        raise UsageError(f"{owner} has a visual without a mesh")
+    mesh, scale = read_mesh(Path(element.get("filename", ""))), read_scale(element, owner)
+    faces = mesh.faces[:, ::-1] if np.prod(scale) < 0 else mesh.faces
+    return Mesh(mesh.vertices * scale, faces), read_origin(visual, owner)
 
 
 def read_sizes(shape: Element, owner: str) -> tuple[float, ...]:

@@ -3,7 +3,6 @@
 from collections import defaultdict
 from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import NamedTuple, cast
 from xml.etree.ElementTree import Element
 
@@ -13,9 +12,9 @@ from numpy.typing import NDArray
 from harness.arrays import Float
 from harness.errors import UsageError
 from harness.record.scene import Body, Scene, SceneJoint
-from harness.robot.meshes import Mesh, read_mesh
+from harness.robot.meshes import Mesh
 from harness.robot.robot import Robot
-from harness.robot.shapes import SIZES, Shape, ShapeKind, moving_carrier, read_origin, read_scale, read_sizes
+from harness.robot.shapes import SIZES, Shape, ShapeKind, moving_carrier, read_origin, read_sizes, read_surface
 from harness.robot.urdf import parse_urdf
 
 AROUND = 24
@@ -160,15 +159,10 @@ def _visual(visual: Element, colours: dict[str, str], owner: str) -> Part:
         raise UsageError(f"{owner} has a visual that is not drawn")
     kind = cast(ShapeKind, shape.tag)
     if kind == "mesh":
-        mesh = _scaled(read_mesh(Path(shape.get("filename", ""))), read_scale(shape, owner))
+        mesh, T_link_shape = read_surface(visual, owner)
     else:
-        mesh = surface(kind, read_sizes(shape, owner))
-    return Part(_colour_of(visual, colours), read_origin(visual, owner), mesh)
-
-
-def _scaled(mesh: Mesh, scale: Float) -> Mesh:
-    """A mirrored mesh has its corners in the other order, so that they stay counter-clockwise."""
-    return Mesh(mesh.vertices * scale, mesh.faces[:, ::-1] if np.prod(scale) < 0 else mesh.faces)
+        mesh, T_link_shape = surface(kind, read_sizes(shape, owner)), read_origin(visual, owner)
+    return Part(_colour_of(visual, colours), T_link_shape, mesh)
 
 
 def _solid(solid: Shape) -> Mesh:

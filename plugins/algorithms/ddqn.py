@@ -2,9 +2,8 @@
 
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import TrainingEnv
+from harness.algorithm import Progress, TrainingEnv
 from harness.policy import Policy
-from harness.progress import Progress
 
 from ..sb3.q_learning import QLearning
 

@@ -5,9 +5,8 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import TrainingEnv
+from harness.algorithm import Progress, TrainingEnv
 from harness.policy import Policy
-from harness.progress import Progress
 
 from ..sb3 import SOURCES
 from ..soft_actor_critic import SoftActorCritic

@@ -5,11 +5,9 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import ActionSpace
-from harness.authoring import act_for
+from harness.algorithm import ActionSpace, Progress, act_for
 from harness.env.arm_observation import kinematics_policy, why_not_kinematics
-from harness.policy import InverseKinematics
-from harness.progress import Progress
+from harness.policy import Policy
 from harness.robot import Robot
 from harness.task import Task
 
@@ -35,7 +33,7 @@ class Ik:
     def why_not(self, task: Task, robot: Robot) -> str:
         return why_not_kinematics(task, robot)
 
-    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> InverseKinematics:
+    def train(self, env: "ReachVectorEnv", steps: int, seed: int, progress: Progress) -> Policy:
         policy = kinematics_policy(env.task, env.robot, "ik")
         act_for(env, steps, policy, seed, progress)
         return policy

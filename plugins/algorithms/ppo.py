@@ -7,9 +7,8 @@ from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 from pydantic_core import ArgsKwargs
 
-from harness.algorithm import ActionSpace, TrainingEnv
+from harness.algorithm import ActionSpace, Progress, TrainingEnv
 from harness.policy import Policy
-from harness.progress import Progress
 
 from ..hyperparameters import IN_ENVIRONMENTS, Activation, BatchSize, Gamma, Layers, LearningRate, NumEnvs
 from ..sb3 import SOURCES

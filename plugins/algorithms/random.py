@@ -6,10 +6,8 @@ from gymnasium.spaces import Discrete
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import ActionSpace, TrainingEnv
-from harness.authoring import act_for
+from harness.algorithm import ActionSpace, Progress, TrainingEnv, act_for
 from harness.policy import Policy, Uniform, UniformChoice
-from harness.progress import Progress
 
 from ..hyperparameters import MOST_ENVS
 

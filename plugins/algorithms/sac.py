@@ -4,9 +4,8 @@ from typing import ClassVar
 
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import TrainingEnv
+from harness.algorithm import Progress, TrainingEnv
 from harness.policy import Policy
-from harness.progress import Progress
 
 from ..sb3 import SOURCES
 from ..soft_actor_critic import SoftActorCritic

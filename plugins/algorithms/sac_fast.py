@@ -4,9 +4,8 @@ from typing import ClassVar
 
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import TrainingEnv
+from harness.algorithm import Progress, TrainingEnv
 from harness.policy import SquashedGaussian
-from harness.progress import Progress
 
 from ..soft_actor_critic import SoftActorCritic
 

@@ -17,11 +17,18 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import ActionSpace, TrainingEnv
-from harness.arrays import Float32, Mask
-from harness.authoring import pack_generator, restore_generator
+from harness import Float32, Mask
+from harness.algorithm import (
+    ActionSpace,
+    Progress,
+    TrainingEnv,
+    TrainingState,
+    as_state,
+    pack_generator,
+    restore_generator,
+    under,
+)
 from harness.policy import Gaussian
-from harness.progress import Progress, TrainingState, as_state, under
 
 from ..hyperparameters import IN_ENVIRONMENTS, NumEnvs
 from ..torch_state import pack_optimizer, pack_tensors, restore_optimizer, restore_tensors

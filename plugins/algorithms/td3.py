@@ -5,9 +5,8 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.algorithm import ActionSpace, TrainingEnv
+from harness.algorithm import ActionSpace, Progress, TrainingEnv
 from harness.policy import Policy
-from harness.progress import Progress
 
 from ..off_policy import OffPolicy
 from ..sb3 import SOURCES

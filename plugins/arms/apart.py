@@ -6,10 +6,9 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
-from harness.authoring import StillFrames
+from harness import Float, Mask
 from harness.robot import Robot
-from harness.simulator import State
+from harness.simulator import State, StillFrames
 
 
 class ArmAlone(Protocol):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 
 SWEEPS = 100
 STILL = 1e-10

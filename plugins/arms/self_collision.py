@@ -7,22 +7,8 @@ joint moves.
 from collections.abc import Iterable
 from itertools import combinations
 
-from harness.robot import Robot, Shape, moving_carrier, parse_urdf
-
 Pair = tuple[int, int]
 """Two groups, the lower number first."""
-
-
-def shapes_of_base(robot: Robot) -> tuple[Shape, ...]:
-    """The collision shapes that no joint moves, in the world's frame."""
-    carriers = parse_urdf(robot.urdf).carriers
-    return tuple(
-        Shape(shape.kind, shape.size, T_world_link @ shape.T_link_shape, shape.points)
-        for link, shapes in robot.link_shapes.items()
-        for joint, T_world_link in [moving_carrier(link, carriers)]
-        if joint is None
-        for shape in shapes
-    )
 
 
 def pairs_apart(dof: int) -> frozenset[Pair]:

@@ -5,10 +5,9 @@ from typing import Protocol
 
 import numpy as np
 
-from harness.arrays import Float, Mask
-from harness.authoring import ServoTrack, Substeps
+from harness import Float, Mask
 from harness.robot import Robot
-from harness.simulator import State, servo_of
+from harness.simulator import ServoTrack, State, Substeps, servo_of
 
 from .apart import ArmAlone, Arms, Frames
 

@@ -9,9 +9,9 @@ from rich.table import Table
 from rich.text import Text
 
 from harness.eta.auc import Auc
+from harness.experiment.screening import FAILING, NOTHING
 from harness.files.plain import Plain, tells, to_plain
 from harness.payoff.rollout import Finishing
-from harness.screen import FAILING, NOTHING
 from harness.text import number
 
 from .dataset.dataset_audit import Lines, auc_text

@@ -5,7 +5,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 
 EPIC, DARD, STARC = FORMS = ("EPIC", "DARD", "STARC")
 NOTHING = 1e-9

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.payoff.rollout import Score, States, pay_along
 from harness.reward import Reward
 from harness.reward.steps import DISTANCE, MissingField

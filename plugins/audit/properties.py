@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.files.plain import tells
 from harness.payoff.rollout import Rollout, discounted_sum, pay_distances
 from harness.reward import Reward

@@ -9,8 +9,9 @@ from pydantic import Field
 
 from harness.cli.output import pays_of
 from harness.errors import reason_of
+from harness.executor import Screened
+from harness.experiment.screening import CANNOT_TELL, FAILING
 from harness.payoff.rollout import FINISH
-from harness.screen import CANNOT_TELL, FAILING, Screened
 
 if TYPE_CHECKING:
     from harness.record import Cell
@@ -35,7 +36,7 @@ class Cheats:
     starts: Annotated[int, Field(gt=0, description="Starts that are searched.")] = 4
 
     def screen(self, cells: "Sequence[Cell]", registry: "Registry") -> Sequence[Screened | None]:
-        """See `harness.screen.Screen`."""
+        """See `harness.executor.Screen`."""
         pays = pays_of(cells, registry)
         return [
             self._look(cell, pays.get((cell.robot, cell.task.label, cell.reward.label)), registry) for cell in cells

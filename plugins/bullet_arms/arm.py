@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 import pybullet
 
-from harness.arrays import Float
-from harness.authoring import Substeps
+from harness import Float
 from harness.robot import Robot
-from harness.simulator import State
+from harness.simulator import State, Substeps
 
 from .free_arm import scale_masses, share_of
 from .world import (

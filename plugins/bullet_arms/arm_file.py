@@ -14,8 +14,8 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from harness.arrays import Float
-from harness.robot import Robot, read_mesh, read_points
+from harness import Float
+from harness.robot import Robot, Shape, read_mesh
 
 
 @contextmanager
@@ -35,8 +35,10 @@ def file_of_arm(robot: Robot, *, is_drawn: bool = False) -> Iterator[Path]:
                     _set_surface(visual, Path(folder))
                 else:
                     link.remove(visual)
-            for collision in link.findall("collision"):
-                _set_solid(collision, f"Link '{link.get('name')}'", Path(folder))
+            for collision, solid in zip(
+                link.findall("collision"), robot.link_shapes[link.get("name", "")], strict=True
+            ):
+                _set_solid(collision, solid, Path(folder))
         path = Path(folder, "robot.urdf")
         path.write_text(ElementTree.tostring(urdf, encoding="unicode"), encoding="utf-8")
         yield path
@@ -50,15 +52,15 @@ def _set_surface(visual: Element, folder: Path) -> None:
         mesh.set("filename", _write_stl(surface.vertices[surface.faces], folder))
 
 
-def _set_solid(collision: Element, owner: str, folder: Path) -> None:
+def _set_solid(collision: Element, solid: Shape, folder: Path) -> None:
     """Let a <collision> say what its solid is, and where, and no more."""
     for attribute in set(collision.attrib) - {"name"}:
         del collision.attrib[attribute]
     mesh = collision.find("geometry/mesh")
     if mesh is not None and Path(mesh.get("filename", "")).is_file():  # else Bullet says that there is none
-        points = read_points(mesh, owner)
         # Bullet takes the convex hull of the corners, whichever triangles they are in. The last ones may come again.
-        mesh.attrib = {"filename": _write_stl(np.resize(points, (-(-len(points) // 3), 3, 3)), folder)}
+        corners = np.resize(solid.points, (-(-len(solid.points) // 3), 3, 3))
+        mesh.attrib = {"filename": _write_stl(corners, folder)}
 
 
 def _write_stl(corners: Float, folder: Path) -> str:

@@ -7,10 +7,10 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from harness.arrays import Float
-from harness.authoring import Camera
+from harness import Float
 from harness.errors import UsageError
 from harness.robot import Robot
+from harness.simulator import Camera
 
 from .arm_file import file_of_arm
 from .world import LOAD_FLAGS, load_body, numbers, set_joints

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pybullet
 
-from harness.arrays import Float
+from harness import Float
 from harness.robot import Robot
 
 from .world import GRAVITY, LOAD_FLAGS, load_body, numbers

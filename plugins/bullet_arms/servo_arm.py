@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pybullet
 
-from harness.arrays import Float
-from harness.authoring import Substeps
+from harness import Float
 from harness.robot import Robot, Servo
+from harness.simulator import Substeps
 
 from ..arms.dry_friction import DryFriction
 from .arm import Arm

@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pybullet
 
-from harness.arrays import Float
+from harness import Float
 from harness.errors import MissingSolid, UsageError, print_visible
 from harness.robot import Robot
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Ints
+from harness import Ints
 from harness.errors import SchemaError
 from harness.files import open_regular, reading
 from harness.record.dataset.open_dataset import MOST_EPISODES, open_hdf5

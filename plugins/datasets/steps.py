@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Ints, Mask
-from harness.authoring import DatasetFacts
+from harness import Float, Ints, Mask
 from harness.errors import SchemaError, one_line
-from harness.log import Log
+from harness.log import DatasetFacts, Log
 from harness.record.dataset.labels import UNKNOWN, SuccessRule, parse_success
 
 from .dataset import OPERATOR_KEYS, SUCCESS_KEYS, chosen_key

@@ -17,10 +17,10 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.errors import UsageError
 from harness.files import run_apart
-from harness.robot import Description, is_readable
+from harness.robot import Description, read_mesh
 from harness.robot.chain_end import TOOL
 
 from .mjcf_bounds import require_bounded
@@ -312,8 +312,13 @@ class _Reading:
         path = Path(model.paths[start : model.paths.index(b"\0", start)].decode()) if start >= 0 else None
         moved, turned = self.placed.get(number, (np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])))
         first = _rotation(turned).T
-        if path is None or not is_readable(path):
-            self._leave_out(geom, "a mesh without a file" if path is None else f"the mesh {path.name}")
+        if path is None:
+            self._leave_out(geom, "a mesh without a file")
+            return None
+        try:
+            read_mesh(path)
+        except UsageError:  # of a format that MuJoCo alone reads
+            self._leave_out(geom, f"the mesh {path.name}")
             return None
         if np.ptp(scale) > 0.0 and not np.allclose(first, np.eye(3)):
             self._leave_out(geom, "a mesh that is turned, then scaled unevenly")

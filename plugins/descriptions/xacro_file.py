@@ -13,9 +13,8 @@ from errno import EINVAL
 from pathlib import Path
 from typing import Any
 
-from harness.authoring import require_program
 from harness.errors import UsageError, one_line
-from harness.files import run_apart
+from harness.files import require_program, run_apart
 from harness.robot import Description, package_folders
 
 CPU_SECONDS, MEMORY = 10, 2**29

@@ -12,10 +12,10 @@ from gymnasium.spaces import Dict
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float
-from harness.authoring import require_allowed
+from harness import Float
 from harness.environment import AnyEnv, GoalReward
 from harness.errors import UsageError
+from harness.files import require_allowed
 from harness.reward import Given
 
 EXAMPLES = {

@@ -9,7 +9,7 @@ import gymnasium
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float
+from harness import Float
 from harness.environment import AnyEnv, GoalReward
 from harness.errors import UsageError
 from harness.reward import Given

@@ -8,7 +8,6 @@ import gymnasium
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.authoring import unknown_name
 from harness.environment import AnyEnv
 from harness.errors import UsageError
 from harness.reward import Given
@@ -48,9 +47,8 @@ class MetaWorld:
         from metaworld.env_dict import ALL_V3_ENVIRONMENTS_GOAL_OBSERVABLE as TASKS
 
         if f"{self.task}{OBSERVABLE}" not in TASKS:
-            raise UsageError(
-                unknown_name("task of Meta-World", self.task, [it.removesuffix(OBSERVABLE) for it in TASKS])
-            )
+            known = ", ".join(sorted(it.removesuffix(OBSERVABLE) for it in TASKS))
+            raise UsageError(f"No task of Meta-World '{self.task}'. There is: {known}.")
         env = TASKS[f"{self.task}{OBSERVABLE}"](seed=0)
         env._freeze_rand_vec, env.seeded_rand_vec = False, True  # starts and goals are drawn, by the env's generator
         env.max_path_length = self.episode_steps

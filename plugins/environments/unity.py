@@ -11,11 +11,12 @@ import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
 from pydantic.dataclasses import dataclass
 
-from harness.authoring import ObservedReward, load_registry, require_program
+from harness import load_registry
 from harness.environment import AnyEnv
 from harness.errors import UsageError
+from harness.files import require_program
 from harness.registry.choice import build_defaults
-from harness.reward import Given, Reward
+from harness.reward import Given, ObservedReward, Reward
 from harness.score.places import RENEWED, ArmPlaces, parse_places
 
 OWN = "own"

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from harness.authoring import run_jobs
-from harness.executor import Job, OnEvent
+from harness.executor import Job, OnEvent, run_jobs
 
 
 @dataclass(frozen=True)

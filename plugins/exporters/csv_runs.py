@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
-from harness.arrays import Float
+from harness import Float
 from harness.files.bounded import whole_file
 from harness.log.log import ROWS
 from harness.record import TRACE, read_recording, read_trace

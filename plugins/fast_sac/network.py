@@ -11,7 +11,7 @@ from typing import Self, TypeAlias
 
 import numpy as np
 
-from harness.arrays import Float32
+from harness import Float32
 
 Networks: TypeAlias = tuple[Float32, ...]
 """Weights of each layer, or their gradients, (count, into + 1, out); the last row of the inputs' axis is the bias."""

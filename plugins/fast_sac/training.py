@@ -7,11 +7,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.algorithm import TrainingEnv
-from harness.arrays import Float32, Mask
-from harness.authoring import pack_generator, restore_generator
+from harness import Float32, Mask
+from harness.algorithm import (
+    Progress,
+    Ring,
+    TrainingEnv,
+    TrainingState,
+    as_state,
+    pack_generator,
+    restore_generator,
+    under,
+)
 from harness.policy import SquashedGaussian
-from harness.progress import Progress, Ring, TrainingState, as_state, under
 
 from ..hyperparameters import SCALARS_EVERY, TOLD_EVERY
 from ..soft_actor_critic import SoftActorCritic

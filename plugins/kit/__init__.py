@@ -8,8 +8,8 @@ In the tests of a plugin::
         check_contract("reward", MyReward())
 
 If a check fails, it raises `harness.errors.ContractViolation` with the name of the check and what is wrong. Each check
-is also a function of its own, so that a test can be parametrised over ``CHECKS["reward"]``. `violations` does not stop
-at the first check that fails. `IdealSimulator` is a simulator for tests that need no engine.
+is also a function of its own, so that a test can be parametrised over ``CHECKS["reward"]``. `IdealSimulator` is a
+simulator for tests that need no engine.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,6 @@ from harness.face import face_of
 if TYPE_CHECKING:
     from harness.env.ideal import IdealSimulator as IdealSimulator
 
-    from .contract import violations as violations
     from .kits import CHECKS as CHECKS, check_contract as check_contract
 else:
     __all__, _look_up = face_of(__name__, __file__)

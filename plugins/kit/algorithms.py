@@ -16,12 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from harness.algorithm import Algorithm, learns, needs_goals
-from harness.arrays import Float, Mask
+from harness import Float, Mask
+from harness.algorithm import Algorithm, TrainingState, learns, needs_goals
 from harness.env.vector_env import ReachVectorEnv
 from harness.experiment.checkpoints.checkpoint import Checkpoint, read_checkpoint, store
 from harness.policy import Policy, load_policy
-from harness.progress import TrainingState
 
 from .contract import check, require, settings_are_frozen, settings_survive_json
 from .trainings import (

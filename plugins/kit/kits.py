@@ -16,7 +16,7 @@ from harness.algorithm import Algorithm, learns
 from harness.errors import UsageError
 from harness.face import warn_of
 from harness.hookspecs import WORDS
-from harness.measure import Measure
+from harness.log import Measure
 from harness.registry import unknown_name
 from harness.reward import Reward
 from harness.robot import Robot

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.log import Log
-from harness.measure import Measure
+from harness.log import Log, Measure
 from harness.record import EpisodeFacts, trace_of
 from harness.record.trace import FLAGS, INTEGERS, NOTHING_KNOWN, NUMBERS, OBSTACLE, QVEL, with_episode_facts
 

@@ -8,10 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from harness import load_robot
-from harness.authoring import run_job
 from harness.authoring.closed_motion import closed_motion
 from harness.errors import UsageError
-from harness.executor import Job
+from harness.executor import Job, run_job
 from harness.experiment.plan import check_experiment, expand
 from harness.record import Manifest
 from harness.registry import choose, load_registry

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.reward import Array, Carry, Paid, Reward, Steps, pay as pay_aloud
 from harness.reward.steps import DISTANCE, ENDS, map_steps, step_between
 from harness.reward.terms import SIZES, call_noted, made_up

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.env.solid_probes import require_solids
 from harness.errors import MissingSolid, PluginError, UsageError
 from harness.registry import choose, load_registry

@@ -4,11 +4,10 @@ import math
 from pathlib import Path
 from typing import get_args
 
-from harness.executor import Event, Executor, Job
+from harness.executor import Event, Executor, Job, Outcome, TrackedCell, Tracker
 from harness.experiment.plan import check_experiment, expand
 from harness.record import read_manifest
 from harness.registry import load_registry
-from harness.tracker import Outcome, TrackedCell, Tracker
 
 from .contract import check, require, settings_are_frozen, settings_survive_json
 

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from harness import load_robot
-from harness.arrays import Float, Float32, Mask
+from harness import Float, Float32, Mask, load_robot
 from harness.env.ideal import IdealSimulator
 from harness.env.vector_env import ReachVectorEnv
 from harness.goal import Goal, Situation

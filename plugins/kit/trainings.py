@@ -8,17 +8,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness import load_robot
-from harness.algorithm import ActionSpace, Algorithm, Goals, needs_goals
-from harness.arrays import Float, Float32, Mask
+from harness import Float, Float32, Mask, load_robot
+from harness.algorithm import ActionSpace, Algorithm, Goals, Progress, needs_goals
 from harness.env.ideal import IdealSimulator
 from harness.env.vector_env import Actions, Infos, ReachVectorEnv
 from harness.payoff.rollout import discounted_sum
 from harness.policy import Policy
-from harness.progress import Progress
-from harness.reach import ReachTask
 from harness.reward import Array, Carry, Sample
 from harness.robot import Robot
+from harness.task import ReachTask
 
 EASY = ReachTask(epsilon=0.2, horizon=20, target_center=(0.6, 0.6, 0.6), target_half_extent=(0.0, 0.0, 0.0))
 """One target, about 0.7 m from home: the arm gets there in 10 steps and more."""

@@ -13,11 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from harness.arrays import Ints, Mask
-from harness.authoring import DatasetFacts
+from harness import Ints, Mask
 from harness.errors import SchemaError, UsageError
 from harness.files import names_in_hdf5
-from harness.log import Log
+from harness.log import DatasetFacts, Log
 from harness.record.dataset.open_dataset import HDF5_SIGNATURE
 
 from ..datasets.dataset import (

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.errors import SchemaError
 from harness.files import open_regular, reading
-from harness.log import LARGEST, Log, LogFacts, in_memory
+from harness.log import Log, LogFacts, in_memory
 
 from ..zoo_settings import zoo_settings
 
@@ -61,7 +61,7 @@ class Evaluations:
                     columns[column] = arrays[member].ravel()
                 else:
                     notes.append(f"{member} are {arrays[member].shape}, results {returns.shape}: they are left out")
-            if not all((np.abs(values) <= LARGEST).all() for values in columns.values()):
+            if not all(np.isfinite(values).all() for values in columns.values()):
                 raise SchemaError(f"{path}: a number is missing or not finite")
             if not np.isin(columns.get("behaviour/success", 0.0), (0.0, 1.0)).all():
                 raise SchemaError(f"{path}: a success is neither 0 nor 1")

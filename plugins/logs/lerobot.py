@@ -20,11 +20,10 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from harness.arrays import Ints
-from harness.authoring import DatasetFacts
+from harness import Ints
 from harness.errors import SchemaError, UsageError, one_line
 from harness.files import open_regular, reading
-from harness.log import Log
+from harness.log import DatasetFacts, Log
 
 from ..datasets.dataset import (
     NOTHING_SEEN,

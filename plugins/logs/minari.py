@@ -14,9 +14,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from harness.authoring import DatasetFacts
 from harness.errors import SchemaError, one_line
-from harness.log import Log
+from harness.log import DatasetFacts, Log
 from harness.record.dataset.open_dataset import MOST_EPISODES
 
 from ..datasets.dataset import (

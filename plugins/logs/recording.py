@@ -7,9 +7,8 @@ import numpy as np
 
 from harness.log import Log, in_memory
 from harness.record.recording.facts import TrainingFacts
-from harness.record.recording.recorded_training import is_recording
+from harness.record.recording.recorded_training import is_recording, read_recording
 from harness.record.recording.recording_writer import write_recording
-from harness.results import read_recording
 
 
 @dataclass(frozen=True)

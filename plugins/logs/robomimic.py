@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from harness.authoring import DatasetFacts
 from harness.errors import SchemaError, one_line
 from harness.files import names_in_hdf5
-from harness.log import Log, require_columns
+from harness.log import DatasetFacts, Log, require_columns
 from harness.record.dataset.open_dataset import HDF5_SIGNATURE, MOST_EPISODES
 
 from ..datasets.dataset import (

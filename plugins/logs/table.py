@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.errors import AskedError, SchemaError, UsageError, one_line
 from harness.files import parse_json, read_bytes
 from harness.log import Log, LogFacts, in_memory, require_columns

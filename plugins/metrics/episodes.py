@@ -7,10 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from harness.arrays import Float, Ints
-from harness.authoring import episode_facts
+from harness import Float, Ints
 from harness.errors import Unmeasured
-from harness.log import Log
+from harness.log import Log, episode_facts
 
 
 def steps_to_target(trace: Log) -> Ints:

@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
-from harness.authoring import ServoTrack
+from harness import Float, Mask
 from harness.robot import Servo
-from harness.simulator import State
+from harness.simulator import ServoTrack, State
 
 from .engine import mujoco
 

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -14,9 +13,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness import Float
 from harness.errors import UsageError
-from harness.robot import Robot, Servo, Shape, read_mesh, read_origin, read_scale
+from harness.robot import Robot, Servo, Shape, read_surface
 
 GREY = [0.7, 0.7, 0.7, 1.0]
 """Red, green, blue and opacity, 0 to 1, of a surface without a colour."""
@@ -80,12 +79,10 @@ def _read_surfaces(urdf: Element) -> dict[str, list[Surface]]:
 def _surfaces(link: Element, colors: dict[str, list[float]]) -> Iterator[Surface]:
     owner = f"Link '{link.get('name')}'"
     for visual in link.findall("visual"):
-        mesh, material = visual.find("geometry/mesh"), visual.find("material")
-        if mesh is not None:
+        if visual.find("geometry/mesh") is not None:
+            (mesh, pose), material = read_surface(visual, owner), visual.find("material")
             name = "" if material is None else material.get("name", "")
-            surface = read_mesh(Path(mesh.get("filename", "")))
-            vertices = surface.vertices * read_scale(mesh, owner)
-            yield Surface(vertices, surface.faces, read_origin(visual, owner), colors.get(name, GREY))
+            yield Surface(mesh.vertices, mesh.faces, pose, colors.get(name, GREY))
 
 
 def _colors(robot: Element) -> Iterator[tuple[str, list[float]]]:

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
-from harness.authoring import Camera
+from harness import Float
 from harness.errors import UsageError, one_line
 from harness.robot import Robot
+from harness.simulator import Camera
 
 from .engine import choices_kept, mujoco
 from .model import TARGET

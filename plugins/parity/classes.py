@@ -5,7 +5,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.motion.motion import JointLimits
 from harness.robot import Robot
 

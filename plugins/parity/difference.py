@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness import Float, Mask
 from harness.files.plain import tells
 from harness.robot import Robot
 

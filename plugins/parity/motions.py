@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from harness.arrays import Float, Mask
+from harness import Float, Mask
 from harness.env.solid_probes import few_points
 from harness.robot import Robot, build_solids
 from harness.robot.ground_clearance import Solids

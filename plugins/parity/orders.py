@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.env.solid_probes import Probe, few_points, probes_of
 from harness.robot import Robot, build_solids
 from harness.robot.ground_clearance import Solids

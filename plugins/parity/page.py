@@ -10,7 +10,7 @@ from typing import NamedTuple
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.arrays import Float
+from harness import Float
 from harness.env.solid_probes import missing_in_words
 from harness.eta.index import NOTHING
 from harness.report import Axis, Chart, Grid, Line, draw_chart, linear_axis

@@ -8,7 +8,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.env.solid_probes import Probe, find_missing
 from harness.errors import HarnessError, one_line
 from harness.robot import Robot

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from harness.arrays import Float, Mask
+from harness import Float, Mask
 from harness.errors import SimulationDiverged
 from harness.files.plain import tells
 from harness.robot import Robot

@@ -14,9 +14,9 @@ from typing import Any, Final, NamedTuple
 import ray
 from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
-from harness.authoring import Part, add_parts, load_registry, parts_of
+from harness import load_registry
 from harness.errors import UsageError, one_line, print_visible
-from harness.executor import Cell, Event, Job, OnEvent
+from harness.executor import Cell, Event, Job, OnEvent, Part, add_parts, parts_of
 from harness.experiment.installation import describe_installation, differences
 from harness.record.folder import partial_folder, publish
 from harness.registry.given import Given

@@ -10,8 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeAlias
 
-from harness.authoring import Part, add_parts, parts_of
-from harness.executor import Cell, Job, Word
+from harness.executor import Cell, Job, Part, Word, add_parts, parts_of
 from harness.experiment.installation import describe_workers
 from harness.experiment.jobs import order_of
 from harness.experiment.workers.workers import Pool

@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.reward import LARGEST_FACTOR, Array, Carry, Sample
+from harness.reward import Array, Carry, Pay, Sample
 
 from ..factors import Factor
 
@@ -39,9 +39,7 @@ class Aarp:
         Factor,
         Field(description="smallest gain on the pay for matching or beating the best distance, K2 of arp"),
     ] = 1.5
-    growth: Annotated[
-        float, Field(ge=1, le=LARGEST_FACTOR, description="factor on the gain for each improvement in a row")
-    ] = 1.1
+    growth: Annotated[Pay, Field(ge=1, description="factor on the gain for each improvement in a row")] = 1.1
     k_max: Annotated[Factor, Field(description="largest gain, at least k2")] = 3.0
 
     def __post_init__(self) -> None:

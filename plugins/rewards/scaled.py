@@ -6,8 +6,7 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.authoring import WrappedReward
-from harness.reward import Array, Carry, Steps, pay
+from harness.reward import Array, Carry, Steps, WrappedReward, pay
 
 from ..factors import Factor
 

@@ -6,8 +6,7 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.authoring import WrappedReward
-from harness.reward import LARGEST_FACTOR, Array, Carry, Steps, pay
+from harness.reward import Array, Carry, Pay, Steps, WrappedReward, pay
 
 
 @dataclass(frozen=True)
@@ -27,15 +26,7 @@ class Shifted(WrappedReward):
 
     registered_name: ClassVar[str] = "shifted"
 
-    offset: Annotated[
-        float,
-        Field(
-            ge=-LARGEST_FACTOR,
-            le=LARGEST_FACTOR,
-            allow_inf_nan=False,
-            description="constant added to the named reward at every step, in its unit",
-        ),
-    ] = 0.1
+    offset: Annotated[Pay, Field(description="constant added to the named reward at every step, in its unit")] = 0.1
 
     def __call__(self, carry: Carry, steps: Steps) -> tuple[Carry, Array | Mapping[str, Array]]:
         """The named reward's carry, and its value plus `offset`, (num_envs,); beside terms the offset is one more."""

@@ -6,9 +6,8 @@ from typing import Any
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
-from harness.algorithm import TrainingEnv
+from harness.algorithm import Progress, TrainingEnv, TrainingState, as_state, under
 from harness.policy import Policy
-from harness.progress import Progress, TrainingState, as_state, under
 
 from ..hyperparameters import SCALARS_EVERY, TOLD_EVERY
 from .state import can_be_packed, pack_model, restore_logged

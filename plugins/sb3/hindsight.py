@@ -8,8 +8,8 @@ import numpy as np
 from gymnasium.spaces import Box, Dict
 from stable_baselines3 import SAC
 
+from harness import Float, Float32
 from harness.algorithm import Goals
-from harness.arrays import Float, Float32
 
 from .vec_env import VecEnvAdapter
 

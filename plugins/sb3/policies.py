@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.arrays import Float32
-from harness.authoring import layer_weights
-from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Policy, SquashedGaussian
+from harness import Float32
+from harness.policy import Categorical, Deterministic, Gaussian, Greedy, Policy, SquashedGaussian, layer_weights
 
 
 def policy_from(model: Any, activation: str, algorithm: str, noise: float = 0.1) -> Policy:

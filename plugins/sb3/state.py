@@ -7,8 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import torch
 
-from harness.authoring import pack_generator, restore_generator
-from harness.progress import Ring, TrainingState, as_state, under
+from harness.algorithm import Ring, TrainingState, as_state, pack_generator, restore_generator, under
 
 from ..torch_state import pack_optimizer, pack_tensors, restore_optimizer, restore_tensors
 

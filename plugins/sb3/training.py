@@ -7,9 +7,8 @@ import torch
 from gymnasium.spaces import Dict
 from stable_baselines3.common.logger import Logger
 
-from harness.algorithm import TrainingEnv
+from harness.algorithm import Progress, TrainingEnv, under
 from harness.policy import Policy
-from harness.progress import Progress, under
 
 from .callback import ProgressCallback, steps_done
 from .state import restore_model

@@ -18,16 +18,15 @@ from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, Multibod
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from harness.arrays import Float
-from harness.authoring import Substeps
+from harness import Float
 from harness.errors import SimulationDiverged, UsageError
 from harness.robot import Robot, Servo, Shape
-from harness.simulator import State, servo_of
+from harness.simulator import State, Substeps, servo_of
 
 from ..arms.apart import ArmsApart
 from ..arms.bare_urdf import bare_urdf
 from ..arms.dry_friction import DryFriction
-from ..arms.self_collision import Pair, pair, pairs_apart, shapes_of_base
+from ..arms.self_collision import Pair, pair, pairs_apart
 from ..arms.servo import ServoArms
 
 FRICTION = CoulombFriction(1.0, 1.0)
@@ -252,7 +251,7 @@ def _add_shapes(plant: Any, robot: Robot, joints: list[Any], with_base: bool) ->
     plant.set_adjacent_bodies_collision_filters(False)  # else the links next to the base miss the ground
     bodies = [plant.world_body(), *(joint.child_body() for joint in joints)]
     groups: list[list[Any]] = [[] for _ in bodies]
-    shapes = (shapes_of_base(robot) if with_base else (), *robot.joint_shapes)
+    shapes = (robot.base_shapes if with_base else (), *robot.joint_shapes)
     for group, body, carried in zip(groups, bodies, shapes, strict=True):
         for shape in carried:
             pose, name = RigidTransform(shape.T_link_shape), f"shape_{sum(map(len, groups))}"

@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float, Mask
-from harness.authoring import StillFrames
+from harness import Float, Mask
 from harness.robot import Robot, build_solids, link_frames
-from harness.simulator import State
+from harness.simulator import State, StillFrames
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float, Mask
-from harness.authoring import GroundContact, StillFrames, Substeps
+from harness import Float, Mask
 from harness.errors import UsageError
 from harness.robot import Robot
-from harness.simulator import State
+from harness.simulator import GroundContact, State, StillFrames, Substeps
 
 from ..mujoco_model import build_model, mujoco
 

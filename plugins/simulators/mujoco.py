@@ -7,10 +7,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float, Mask
-from harness.authoring import Substeps
+from harness import Float, Mask
 from harness.robot import Robot
-from harness.simulator import State, servo_of
+from harness.simulator import State, Substeps, servo_of
 
 from ..mujoco_model import Batch, OneArm, RampFeed, Renderer, ServoFeed, build_model
 

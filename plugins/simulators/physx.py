@@ -10,15 +10,14 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float, Float32
-from harness.authoring import Substeps
+from harness import Float, Float32
 from harness.errors import UsageError
 from harness.robot import Robot, Servo, Shape
-from harness.simulator import State, servo_of
+from harness.simulator import State, Substeps, servo_of
 
 from ..arms.apart import ArmsApart
 from ..arms.bare_urdf import bare_urdf
-from ..arms.self_collision import Pair, pair, pairs_apart, partners, shapes_of_base
+from ..arms.self_collision import Pair, pair, pairs_apart, partners
 from ..arms.servo import ServoArms
 
 with warnings.catch_warnings():
@@ -165,7 +164,7 @@ class Model:
         self.shapes: tuple[tuple[Shape, ...], ...] = ((), *robot.joint_shapes)
         self.masks = _masks(robot.dof, frozenset())
         if self_collision:
-            self.shapes = (shapes_of_base(robot), *robot.joint_shapes)
+            self.shapes = (robot.base_shapes, *robot.joint_shapes)
             self.masks = _masks(robot.dof, pairs_apart(robot.dof))
             self.masks = _masks(robot.dof, pairs_apart(robot.dof) - self._touching_at_home())
 

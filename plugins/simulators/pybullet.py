@@ -5,9 +5,8 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.authoring import Substeps
 from harness.robot import Robot
-from harness.simulator import servo_of
+from harness.simulator import Substeps, servo_of
 
 from ..arms.apart import ArmsApart
 from ..arms.servo import ServoArms

@@ -9,8 +9,7 @@ from typing import Any, Final
 
 from submitit.helpers import DelayedSubmission
 
-from harness.authoring import run_jobs
-from harness.executor import Event, Job
+from harness.executor import Event, Job, run_jobs
 
 TELL_EVERY: Final = 1.0
 """Seconds between two reports of progress."""

@@ -6,9 +6,9 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float
-from harness.reach import FD100_REACH, ReachTask, place_box
+from harness import Float
 from harness.robot import Robot
+from harness.task import ReachTask, place_box
 
 CENTER = np.array([0.75, 0.0, 0.06])
 HALF_EXTENT = np.array([0.15, 0.5, 0.02])
@@ -30,8 +30,7 @@ class Low(ReachTask):
     def target_box(self, robot: Robot) -> tuple[Float, Float]:
         """Centre and half edges of the box of targets, (3,) both, [m]."""
         center, half = place_box(robot, CENTER, HALF_EXTENT)
-        scale = robot.reach / FD100_REACH
-        center[2], half[2] = scale * CENTER[2], scale * HALF_EXTENT[2]  # the ground stays where it is
+        center[2], half[2] = robot.scale * CENTER[2], robot.scale * HALF_EXTENT[2]  # the ground stays where it is
         center = center if self.target_center is None else np.array(self.target_center)
         half = half if self.target_half_extent is None else np.array(self.target_half_extent)
         return center, half

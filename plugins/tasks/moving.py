@@ -7,10 +7,9 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float
-from harness.reach import ReachTask
+from harness import Float
 from harness.robot import Robot
-from harness.task import Goal, Situation
+from harness.task import Goal, ReachTask, Situation
 
 
 @dataclass(frozen=True)

@@ -8,15 +8,14 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float
-from harness.reach import ReachTask
+from harness import Float
 from harness.robot import (
     Robot,
     forward,
     reach_position,
     rotation_of_axes,
 )
-from harness.task import Goal, Situation
+from harness.task import Goal, ReachTask, Situation
 
 
 @dataclass(frozen=True)

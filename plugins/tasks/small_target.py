@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field, PositiveFloat
 from pydantic.dataclasses import dataclass
 
-from harness.reach import ReachTask
+from harness.task import ReachTask
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 from pydantic.dataclasses import dataclass
 
-from harness.arrays import Float, Float32
+from harness import Float, Float32
 from harness.errors import UsageError
-from harness.reach import Pay
+from harness.reward import Pay
 from harness.robot import Robot, forward, reach_position
 from harness.task import LONGEST_EPISODE, Motion, Setting, Targets, build_motion
 

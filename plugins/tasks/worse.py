@@ -18,7 +18,7 @@ from harness.conditions.conditions import (
     TargetNoise,
     later_than,
 )
-from harness.reach import ReachTask
+from harness.task import ReachTask
 
 Epsilon = Annotated[PositiveFloat, Field(description="distance within which the target is reached, NOTE eq. 20 [m]")]
 

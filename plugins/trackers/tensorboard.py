@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from harness.tracker import Outcome, TrackedCell
+from harness.executor import Outcome, TrackedCell
 
 if TYPE_CHECKING:
     from tensorboard.summary import Writer

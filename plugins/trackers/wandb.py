@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.tracker import Outcome, TrackedCell
+from harness.executor import Outcome, TrackedCell
 
 if TYPE_CHECKING:
     import wandb

@@ -11,8 +11,7 @@ from harness.files.plain import Plain, tells
 from harness.record import EVALUATION, Cell, read_trace
 from harness.record.returns import mean_return
 from harness.registry import Choice
-from harness.results import Group, Results
-from harness.section import Shown
+from harness.results import Group, Results, Shown
 
 from .record import TRANSFER, TransferRecord, policy_digest, read_record_of, read_transfer, simulator_id
 

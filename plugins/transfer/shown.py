@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from harness.eta.headline import estimate_text, format_number, percentage, points
 from harness.report.rows.ratios import lines_of, value_rows
-from harness.section import Fact, Grid
+from harness.results import Fact, Grid
 
 from .matrix import TransferMatrix, Transfers
 

@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 from gymnasium.spaces import Box
 
-from harness.arrays import Float32
+from harness import Float32
 
 from .actions import action_space
 from .team import Team

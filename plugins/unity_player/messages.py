@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from harness.arrays import Float32
+from harness import Float32
 
 CONTINUOUS = 1
 """The kind of actions in messages of programs older than version 1.3 of the protocol."""

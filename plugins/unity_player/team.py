@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from time import monotonic
 from typing import Any, NamedTuple
 
-from harness.arrays import Float32
+from harness import Float32
 from harness.errors import UsageError
 
 from .actions import Plain, to_unity

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.errors import UsageError
 from harness.files.bounded import whole_file
 from harness.record.scene import Scene

@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from harness.arrays import Float, Ints
+from harness import Float, Ints
 
 MOST = 64
 """The most blocks of a training. Where there would be more, each two become one."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Ints, Mask
+from harness import Float, Ints, Mask
 from harness.eta.laws import direction_of
 from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, OpenEpisodes
 from harness.record import TrainingFacts, read_trace

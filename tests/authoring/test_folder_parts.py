@@ -1,6 +1,6 @@
 """A folder in parts."""
 
-from harness.authoring import add_parts, parts_of
+from harness.executor import add_parts, parts_of
 
 PART_BYTES = 4 * 2**20
 

@@ -6,8 +6,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.authoring import GroundContact
 from harness.robot.kinematics import link_frames
+from harness.simulator import GroundContact
 from tests.refusals import refused
 
 ROBOTS = ("fd100", "unity-arm")

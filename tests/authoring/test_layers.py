@@ -7,8 +7,7 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
-from harness.authoring import layer_weights
-from harness.policy import Deterministic
+from harness.policy import Deterministic, layer_weights
 from tests.refusals import refused
 
 RNG = default_rng(0)

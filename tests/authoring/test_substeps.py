@@ -5,11 +5,11 @@ import pytest
 from numpy.linalg import norm
 
 import harness
-from harness.authoring import Substeps
 from harness.motion.modes import build_motion
 from harness.motion.motion import Setting
 from harness.registry.choice import choose
 from harness.registry.registry import load_registry
+from harness.simulator import Substeps
 from tests.refusals import refused
 
 REGISTRY = load_registry()

@@ -6,7 +6,7 @@ import pytest
 
 from harness.cli.fail_on import NAMES, Said, decide, named_answers, status_of
 from harness.eta import RANKS, Answer
-from harness.screen import CANNOT_TELL, FAILING, LOITERING, NOTHING
+from harness.experiment.screening import CANNOT_TELL, FAILING, LOITERING, NOTHING
 from tests.cli.conftest import QUICK
 from tests.cli.test_logs import write_monitor
 from tests.refusals import refused

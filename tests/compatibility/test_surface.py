@@ -31,7 +31,7 @@ def test_names_are_those_that_were_recorded():
     assert missing == [], "write a line for each under 'Changes', then: python -m tests.compatibility.surface"
 
 
-BEFORE = ["harness.run(**given)", "harness.measure.Measure", "harness.robot.forward(chain, qpos)"]
+BEFORE = ["harness.run(**given)", "harness.log.Measure", "harness.robot.forward(chain, qpos)"]
 
 
 @pytest.mark.parametrize(
@@ -40,8 +40,8 @@ BEFORE = ["harness.run(**given)", "harness.measure.Measure", "harness.robot.forw
         ([*BEFORE, "harness.robot.backward(chain)"], "harness.robot.backward"),
         (BEFORE[1:], "harness.run"),
         ([*BEFORE[:2], "harness.robot.forward(chain, qpos, link='')"], "harness.robot.forward"),
-        ([BEFORE[0], "harness.measure.Measure(unit)", BEFORE[2]], "harness.measure.Measure"),
-        ([*BEFORE, "harness.measure.Measure.scale"], "harness.measure.Measure.scale"),
+        ([BEFORE[0], "harness.log.Measure(unit)", BEFORE[2]], "harness.log.Measure"),
+        ([*BEFORE, "harness.log.Measure.scale"], "harness.log.Measure.scale"),
     ],
     ids=["added", "removed", "another argument", "a class for an interface", "another member"],
 )

@@ -8,8 +8,8 @@ import harness
 from harness.conditions.clearance import MARGIN, Clearance, draw_clutter
 from harness.conditions.conditions import Conditions
 from harness.conditions.obstacles import distance_from, there
-from harness.reach import ReachTask
 from harness.robot import reach_position
+from harness.task import ReachTask
 
 ARM = harness.load_robot("fd100")
 CLEARANCE = Clearance(ARM)

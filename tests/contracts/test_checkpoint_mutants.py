@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.algorithm import needs_goals
-from harness.progress import Progress, Ring
+from harness.algorithm import Progress, Ring, needs_goals
 from harness.registry.registry import load_registry
 from harness_plugins.kit.kits import KITS
 

@@ -16,8 +16,8 @@ from harness.log.open_log import formats_of
 from harness.motion.modes import MODES
 from harness.registry.registry import load_registry
 from harness.robot.ground_clearance import build_solids
-from harness_plugins.kit import CHECKS, IdealSimulator, check_contract, violations
-from harness_plugins.kit.contract import Check, require
+from harness_plugins.kit import CHECKS, IdealSimulator, check_contract
+from harness_plugins.kit.contract import Check, require, violations
 from harness_plugins.kit.kits import KITS
 
 from .mutants import metrics, trackers

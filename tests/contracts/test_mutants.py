@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from harness_plugins.kit import violations
+from harness_plugins.kit.contract import violations
 from harness_plugins.kit.kits import KITS
 
 from .mutants import algorithms, environments, executors, logs, metrics, rewards, robots, simulators, tasks, trackers

@@ -6,10 +6,10 @@ from numpy.random import default_rng
 
 import harness
 from harness.env.vector_env import ReachVectorEnv
-from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace
 from harness.registry import choose, load_registry
 from harness.robot import reach_position
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 

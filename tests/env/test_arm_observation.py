@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import harness
 from harness.env.arm_observation import ArmObservation
 from harness.env.vector_env import ReachVectorEnv
-from harness.reach import ReachTask
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 

@@ -9,10 +9,10 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.env.ideal import IdealSimulation
-from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace
 from harness.robot import reach_position
 from harness.score.scorer import pay_log
+from harness.task import ReachTask
 
 PERIOD = 5
 

@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.reach import ReachTask
+from harness.task import ReachTask
 from harness_plugins.tasks.unity import Arp2021
 
 ARM = harness.load_robot("unity-arm")

@@ -10,8 +10,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace
+from harness.task import ReachTask
 from tests.refusals import refused
 
 Call = Callable[..., Any]

@@ -11,8 +11,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
 import harness
-from harness.reach import ReachTask
 from harness.robot import forward, reach_position
+from harness.task import ReachTask
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 
 ARM = harness.load_robot("unity-arm")

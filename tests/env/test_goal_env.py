@@ -11,8 +11,7 @@ from stable_baselines3.common import env_checker
 
 from harness.env.goal_env import NEEDED, ReachGoalEnv, forgets_the_way
 from harness.env.vector_env import ReachEnv
-from harness.reach import ReachTask
-from harness.task import Targets
+from harness.task import ReachTask, Targets
 from tests.refusals import refused
 
 PAYABLE = ["sparse", "potential", "adaptive", "scaled:reward=dense"]

@@ -6,8 +6,7 @@ from numpy.testing import assert_array_equal
 
 import harness
 from harness.env.random_streams import AHEAD, Streams
-from harness.reach import ReachTask
-from harness.task import Targets
+from harness.task import ReachTask, Targets
 from tests.refusals import refused
 
 ROBOT = harness.load_robot("fd100")

@@ -5,7 +5,7 @@ from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.reach import ReachTask
+from harness.task import ReachTask
 
 ROBOT = harness.load_robot("fd100")
 

@@ -9,7 +9,7 @@ import harness
 from harness.env.ideal import IdealSimulation
 from harness.env.vector_env import ReachVectorEnv, World
 from harness.errors import SchemaError
-from harness.reach import ReachTask
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from tests.env.conftest import REGISTRY, SHORT_TASK, TASKS, build

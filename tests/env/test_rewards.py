@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.reach import ReachTask
+from harness.task import ReachTask
 from harness_plugins.kit.trainings import NegativeDistance
 from tests.env.conftest import CountsSteps
 

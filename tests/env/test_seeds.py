@@ -5,7 +5,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.reach import ReachTask
+from harness.task import ReachTask
 
 
 def test_same_seed_same_starts_under_other_rewards(first_observations):

@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 
 import harness
 from harness.env.vector_env import ReachVectorEnv
-from harness.reach import ReachTask
+from harness.task import ReachTask
 from tests.refusals import refused
 
 Call = Callable[..., Any]

@@ -10,12 +10,12 @@ from numpy.testing import assert_array_equal
 
 import harness
 from harness.env.vector_env import ReachVectorEnv
-from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace, trace_of
 from harness.record.trace import TERM, terms_of
 from harness.reward.forms import reward_class
 from harness.reward.steps import MissingField
 from harness.score.scorer import pay_log
+from harness.task import ReachTask
 from harness_plugins.kit.trainings import NegativeDistance
 from tests.env.conftest import REGISTRY, SHORT_TASK, TASKS, build
 from tests.refusals import refused

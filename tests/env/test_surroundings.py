@@ -11,7 +11,7 @@ from harness.conditions.clearance import Clearance
 from harness.conditions.varied_robot import draw_robot
 from harness.env import surroundings
 from harness.env.arm_observation import ArmObservation
-from harness.reach import ReachTask
+from harness.task import ReachTask
 from harness_plugins.simulators.kinematic import Kinematic
 
 ROBOT = harness.load_robot("fd100")

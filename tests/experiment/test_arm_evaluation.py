@@ -11,9 +11,9 @@ from harness import load_robot
 from harness.env.vector_env import build_world
 from harness.experiment.arm_evaluation import act_of, evaluate, record_evaluation
 from harness.policy import Uniform
-from harness.reach import ReachTask
 from harness.record import Cell, read_trace
 from harness.registry import choose, load_registry
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from tests.heavy_arms import Heavy
 

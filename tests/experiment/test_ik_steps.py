@@ -10,9 +10,9 @@ from harness.env.vector_env import build_world
 from harness.errors import SimulationDiverged
 from harness.experiment import arm_evaluation as module
 from harness.experiment.arm_evaluation import EVALUATION_SEED, evaluate, ik_steps
-from harness.reach import ReachTask
 from harness.record import read_trace
 from harness.registry import choose
+from harness.task import ReachTask
 
 
 def _world(make_cell, registry, task, robot="fd100", **fields):

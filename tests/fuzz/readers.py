@@ -21,11 +21,11 @@ from harness.log.open_log import open_logs
 from harness.motion.motion import JointLimits
 from harness.policy import (
     Greedy,
-    InverseKinematics,
     SquashedGaussian,
     UniformChoice,
     load_policy,
 )
+from harness.policy.inverse_kinematics import InverseKinematics
 from harness.record import (
     SCALARS,
     Manifest,

@@ -20,13 +20,13 @@ from harness.log import LogFacts, in_memory
 from harness.payoff.dataset.paid_dataset import pay_dataset
 from harness.payoff.dataset.rewards import given_rewards
 from harness.payoff.rollout import record_rollouts, score_rollout
-from harness.reach import ReachTask
 from harness.record import TraceWriter, read_recording, read_trace, trace_of
 from harness.registry import choose, load_registry, read_given
 from harness.reward.forms import reward_class
 from harness.reward.steps import ENDS
 from harness.score.places import parse_places
 from harness.score.scorer import pay_log
+from harness.task import ReachTask
 from harness_plugins.audit import audit_rewards
 from harness_plugins.audit.search.place import places_in_environment, places_on_task, world_at
 from tests.refusals import refused

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from harness.algorithm import RETURN
 from harness.experiment.arm_world import LearningSoFar
 from harness.log import LogFacts, in_memory
 from harness.log.log import (
@@ -18,7 +19,6 @@ from harness.log.log import (
     sums_so_far,
 )
 from harness.payoff.rollout import discounted_sum
-from harness.progress import RETURN
 from harness.record import COLUMN, SCALARS
 from harness.record.returns import PAID, mean_return
 from harness.results.by_term import by_term

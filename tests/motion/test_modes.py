@@ -7,9 +7,9 @@ from numpy.testing import assert_allclose
 
 from harness.motion.discrete import Discrete
 from harness.motion.modes import MODES, build_motion
-from harness.reach import ReachTask
 from harness.registry import choose, load_registry
 from harness.registry.members import parameters_of
+from harness.task import ReachTask
 from tests.refusals import refused
 
 SIZES = {"movej": 6, "movej-absolute": 6, "movel": 3, "movea": 6, "set-joints": 6, "discrete": 6}

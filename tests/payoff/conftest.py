@@ -7,8 +7,8 @@ import pytest
 
 from harness import load_robot
 from harness.payoff.rollout import record_rollouts
-from harness.reach import ReachTask
 from harness.registry import choose, load_registry
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 
 REGISTRY = load_registry()

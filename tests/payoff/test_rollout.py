@@ -17,11 +17,11 @@ from harness.payoff.rollout import (
     record_rollouts,
     score_rollout,
 )
-from harness.reach import ReachTask
 from harness.record.trace import TERM
 from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class
 from harness.reward.steps import ARM_BEFORE
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose

@@ -5,7 +5,7 @@ import pytest
 from numpy.random import default_rng
 
 from harness.payoff.rollout import SCRIPTS, plan_actions, record_rollouts
-from harness.reach import ReachTask
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 
 MOVING = [script for script in SCRIPTS if script != "random"]

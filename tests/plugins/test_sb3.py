@@ -8,10 +8,10 @@ from numpy.testing import assert_array_equal
 from stable_baselines3.common.vec_env import VecEnv
 
 import harness
+from harness.algorithm import Progress
 from harness.env.vector_env import ReachVectorEnv
-from harness.progress import Progress
-from harness.reach import ReachTask
 from harness.robot.kinematics import reach_position
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.sb3.callback import ProgressCallback

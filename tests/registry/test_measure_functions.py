@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.errors import Unmeasured, UsageError
-from harness.measure import bounds_of, is_share, needs_of
+from harness.log.measure import bounds_of, is_share, needs_of
 from harness.record.trace import episode_facts, trace_of
 from harness.registry import build_defaults, fingerprint, load_registry, read_given
 from harness_plugins.kit import check_contract

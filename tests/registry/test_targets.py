@@ -7,20 +7,17 @@ import pytest
 
 from harness.algorithm import Algorithm
 from harness.errors import PluginError
-from harness.executor import Executor
+from harness.executor import Executor, Screen, Tracker
 from harness.hookspecs import KINDS
-from harness.log import LogFormat
-from harness.measure import Measure
+from harness.log import LogFormat, Measure
 from harness.registry import Registry, Spec, load_registry
 from harness.registry.members import MEMBERS, missing_members, require_members
 from harness.registry.targets import examined, why_absent, why_unfit
+from harness.results import Section
 from harness.reward import Reward
 from harness.robot.description import DescriptionFormat
-from harness.screen import Screen
-from harness.section import Section
 from harness.simulator import Simulator
 from harness.task import Task
-from harness.tracker import Tracker
 
 PROTOCOLS = {
     "simulators": Simulator, "algorithms": Algorithm, "rewards": Reward, "metrics": Measure, "tasks": Task,

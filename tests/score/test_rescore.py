@@ -4,11 +4,11 @@ import pytest
 
 from harness import load_robot
 from harness.env.vector_env import ReachVectorEnv
-from harness.reach import ReachTask
 from harness.record import TraceWriter
 from harness.registry import choose, load_registry, read_given
 from harness.score.open_steps import open_steps
 from harness.score.rescore import rescore
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from tests.refusals import refused

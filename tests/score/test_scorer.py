@@ -14,7 +14,6 @@ from hypothesis import given, strategies as st
 import harness
 import harness.score.scorer as module
 from harness.env.vector_env import ReachVectorEnv
-from harness.reach import ReachTask
 from harness.record import TraceWriter, read_trace
 from harness.record.cell_log import cell_log
 from harness.record.trace import FORMAT, FORMAT_KEY
@@ -24,6 +23,7 @@ from harness.reward.row_steps import DISTANCES, part_of
 from harness.reward.terms import ROWS
 from harness.robot import reach_position
 from harness.score.scorer import Payer, Scorer, pay_log
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.unity import Arp2021
 

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from mesh_arm.robot import FOLDER
 
-from harness import load_robot
-from harness.authoring import load_registry
-from harness.reach import ReachTask
+from harness import load_registry, load_robot
+from harness.task import ReachTask
 from harness_plugins.kit import check_contract
 
 

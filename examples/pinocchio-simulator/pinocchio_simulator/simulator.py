@@ -8,10 +8,9 @@ import pinocchio
 from numpy.typing import NDArray
 from pydantic import Field
 
-from harness.arrays import Float, Mask
-from harness.authoring import GroundContact, StillFrames, Substeps
+from harness import Float, Mask
 from harness.robot import Robot
-from harness.simulator import State
+from harness.simulator import GroundContact, State, StillFrames, Substeps
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,8 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from harness.algorithm import ActionSpace, TrainingEnv
+from harness.algorithm import ActionSpace, Progress, TrainingEnv
 from harness.policy import SquashedGaussian
-from harness.progress import Progress
 
 Count = Annotated[int, Field(gt=0)]
 Positive = Annotated[float, Field(gt=0)]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness import make_env
-from harness.progress import Progress
+from harness.algorithm import Progress
 from harness_plugins.kit import check_contract
 
 pytest.importorskip("sbx", reason="sbx is not installed: pip install sbx-rl")

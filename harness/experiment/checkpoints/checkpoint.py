@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 from harness.errors import SchemaError
 from harness.files.bounded import digest_of, files_in, is_partial, is_plain, whole_file, write_whole
 from harness.files.plain import from_plain, to_plain
-from harness.progress import Ring, TrainingState, prefixed, under
 from harness.record.cell import KERNEL, Cell, write_log
 from harness.record.folder import CHECKPOINT, LOG, TRACE
+from harness.record.progress import Ring, TrainingState, prefixed, under
 from harness.record.trace import require_rows
 
 
@@ -45,7 +45,7 @@ class StoredRing:
     """The files that hold the rows of a ring.
 
     Attributes:
-        capacity: See `harness.progress.Ring`.
+        capacity: See `harness.algorithm.Ring`.
         written: The same.
         parts: The files, oldest first.
     """

@@ -41,8 +41,8 @@ from harness.experiment.workers.order import named_scalars
 from harness.experiment.world import CellWorld, LastEpisodes
 from harness.log import Log
 from harness.policy import Policy
-from harness.progress import Ring, TrainingState, as_state
 from harness.record.folder import EVALUATIONS, TRAINING_RECORDING
+from harness.record.progress import Ring, TrainingState, as_state
 from harness.record.recording.facts import FILE_BEHAVIOUR
 from harness.record.recording.recorded_training import (
     read_facts,

@@ -18,9 +18,9 @@ from harness.experiment.workers.workers import News, run_orders
 from harness.experiment.world import CellWorld
 from harness.files.plain import Plain
 from harness.policy import Policy
-from harness.progress import Progress
 from harness.record.cell import Cell
 from harness.record.folder import partial_folder, publish
+from harness.record.progress import Progress
 from harness.record.recording.recorded_training import read_facts
 from harness.registry.choice import Registry
 from harness.registry.given import Given

@@ -11,7 +11,7 @@ from typing import IO, ClassVar, NamedTuple, Protocol, TypeAlias
 
 from harness.executor import Limits, Word
 from harness.files.plain import from_plain, to_plain
-from harness.progress import TERMS
+from harness.record.progress import TERMS
 
 Report: TypeAlias = Callable[[Word], None]
 """A function that is told how far the work is."""

@@ -22,7 +22,7 @@ from harness.report.rows.returns import Audits
 from harness.results.comparison import still_to_come
 from harness.results.replay import shows_of
 from harness.results.results import told_manifests
-from harness.section import Shown
+from harness.results.section import Shown
 
 
 class Download(NamedTuple):

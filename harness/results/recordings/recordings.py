@@ -17,7 +17,7 @@ from harness.eta.equal import equal_sentences, equal_trainings
 from harness.eta.index import Estimate, mean_of_known
 from harness.eta.laws import Account, Missing, counted, numbered, require_direction, shortfall_beside
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, MANNERS, OWN_AND_OTHER
-from harness.measure import Measure
+from harness.log.measure import Measure
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell, Manifest, is_named
 from harness.record.folder import EVALUATION_RECORDING, RANDOM, TRAINING_RECORDING, recording_of
 from harness.record.plan_file import PLAN, StoredPlan

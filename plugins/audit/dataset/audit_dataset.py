@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Ints, Mask
+from harness import Float, Ints, Mask
 from harness.errors import UsageError
 from harness.eta import CANNOT_TELL, auc_of
 from harness.eta.auc import Auc, share_of

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from harness.arrays import Float
+from harness import Float
 from harness.eta import AGAINST, CANNOT_TELL, RANKS, Estimate
 from harness.eta.auc import Auc
 from harness.files.plain import Plain, tells

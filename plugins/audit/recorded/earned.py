@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.eta import Estimate, mean_over_seeds
 
 from .pair import mean_json

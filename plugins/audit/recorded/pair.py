@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.arrays import Float, Ints
+from harness import Float, Ints
 from harness.eta import Estimate, Rescaling, line_of, mean_over_seeds, rescaling_of
 from harness.eta.rescaling import PayLine, rounded
 from harness.files.plain import Plain, tells

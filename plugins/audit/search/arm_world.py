@@ -9,7 +9,7 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from harness.arrays import Float, Ints, Mask
+from harness import Float, Ints, Mask
 from harness.env.arm_observation import kinematics_policy, why_not_kinematics
 from harness.env.vector_env import ReachVectorEnv, World as Arm
 from harness.log.log import SUCCESS

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import gymnasium
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 
 from .behaviour import Behaviour, Role
 from .finding import FRAGILE, ROBUST, Disturbed

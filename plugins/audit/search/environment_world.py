@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium.spaces import Dict, Discrete
 from gymnasium.wrappers import TimeLimit
 
-from harness.arrays import Float, Mask
+from harness import Float, Mask
 from harness.environment import AnyEnv
 from harness.errors import UsageError, reason_of
 from harness.eta.laws import direction_of

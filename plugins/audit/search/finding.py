@@ -6,8 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from harness.experiment.screening import (
+    CANNOT_TELL as CANNOT_TELL,
+    FAILING as FAILING,
+    LOITERING as LOITERING,
+    NOTHING as NOTHING,
+)
 from harness.files.plain import Plain, tells, to_plain
-from harness.screen import CANNOT_TELL as CANNOT_TELL, FAILING as FAILING, LOITERING as LOITERING, NOTHING as NOTHING
 
 from .behaviour import Behaviour, Role, Searched
 from .world import Shown

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Ints
+from harness import Ints
 from harness.eta.interval import CONFIDENCE, quantile
 
 from .behaviour import Behaviour, Rated, Rates, Searched, Three

@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.text import number
 
 from .behaviour import ROLES, Behaviour, Rates, Role, Searched, Three

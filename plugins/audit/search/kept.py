@@ -11,7 +11,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Ints
+from harness import Float, Ints
 
 from .behaviour import Behaviour, Three
 from .world import Actions, Data, Outcomes, Rng

@@ -12,7 +12,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Ints
+from harness import Float, Ints
 from harness.experiment.environments.spaces import rows_of
 
 from .moves import bounds_of

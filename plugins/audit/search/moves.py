@@ -12,7 +12,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness import Float
 
 from .world import Act, Actions, Rng, Space
 

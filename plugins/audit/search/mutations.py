@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Ints
+from harness import Float, Ints
 
 from .moves import Choices, Moves, Reals
 from .world import Actions, Rng

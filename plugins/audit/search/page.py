@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.log.log import episode_sum, sums_so_far
 from harness.record.scene import Scene
 from harness.registry.given import plugin_flags

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from gymnasium.spaces import Discrete
 
-from harness.arrays import Float, Ints, Mask
+from harness import Float, Ints, Mask
 from harness.log.log import episode_sum
 
 from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, ends, table_policy

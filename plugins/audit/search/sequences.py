@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Ints
+from harness import Float, Ints
 from harness.experiment.environments.spaces import rows_of
 
 from .kept import Cells, Kept

@@ -10,7 +10,7 @@ import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Tuple, flatten, unflatten
 
-from harness.arrays import Float
+from harness import Float
 from harness.errors import UsageError
 
 from .moves import WIDEST

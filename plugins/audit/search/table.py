@@ -13,7 +13,7 @@ import numpy as np
 from gymnasium.spaces import Discrete
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Ints, Mask
+from harness import Float, Ints, Mask
 
 from .world import Act, Actions, Data, Outcomes, Rng, Shown, World, key_of
 

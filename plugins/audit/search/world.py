@@ -13,7 +13,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Ints, Mask
+from harness import Float, Ints, Mask
 from harness.log.log import sums_from
 
 Actions: TypeAlias = NDArray[Any]

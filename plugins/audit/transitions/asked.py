@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.errors import reason_of
 from harness.recorder.column import made_columns
 from harness.recorder.guard import Guard

@@ -22,7 +22,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from harness.arrays import Float, Ints
+from harness import Float, Ints
 from harness.recorder.sealed import Walk
 
 from ..distance import DARD, EPIC, STARC, Form, centred_unit, unit

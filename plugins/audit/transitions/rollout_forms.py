@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Ints, read_only
+from harness import Float, Ints
+from harness.arrays import read_only
 from harness.payoff.rollout import Rollout, paid_along
 from harness.reward import Carry, Reward, pay
 from harness.reward.reward import take

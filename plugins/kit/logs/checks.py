@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import SchemaError, UsageError, one_line
-from harness.log import LARGEST, Log, LogFacts, LogFormat, Rows
-from harness.log.log import BEHAVIOUR, REWARD, SINCE
+from harness.log import Log, LogFacts, LogFormat, Rows
+from harness.log.log import BEHAVIOUR, LARGEST, REWARD, SINCE
 
 from ..contract import check, require, settings_are_frozen, settings_survive_json
 from .examples import (

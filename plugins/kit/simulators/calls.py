@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
+from harness.algorithm import TrainingState
 from harness.env.ideal import LoggedSimulation
-from harness.progress import TrainingState
 from harness.robot import Robot
 from harness.simulator import Simulator, State
 

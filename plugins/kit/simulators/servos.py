@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from harness.arrays import Float
+from harness import Float
 from harness.errors import UsageError
 from harness.robot import Robot, Servo
 from harness.robot.energy import energy, read_bodies

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Mask
+from harness import Float, Mask
 from harness.motion.motion import MoveJ
 from harness.robot import Robot
 from harness.robot.kinematics import reach_position

@@ -6,7 +6,7 @@ from itertools import cycle, islice
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float
+from harness import Float
 from harness.env.solid_probes import find_missing, missing_in_words, probes_of
 from harness.errors import UsageError
 from harness.robot import Robot

@@ -19,8 +19,7 @@ from mlagents_envs.side_channel.incoming_message import IncomingMessage
 from mlagents_envs.side_channel.side_channel import SideChannel
 from mlagents_envs.side_channel.side_channel_manager import SideChannelManager
 
-from harness import load_robot
-from harness.arrays import Float, Float32
+from harness import Float, Float32, load_robot
 from harness.env.ideal import IdealSimulator
 from harness.env.vector_env import ReachVectorEnv
 from harness.registry import choose, load_registry

@@ -7,7 +7,7 @@ from unittest import mock
 import torch
 from stable_baselines3.common.vec_env import DummyVecEnv
 
-from harness.progress import Progress
+from harness.algorithm import Progress
 
 
 def bare_training(algorithm, envs, steps, seed):

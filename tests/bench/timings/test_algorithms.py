@@ -3,8 +3,8 @@
 import pytest
 
 import harness
+from harness.algorithm import Progress
 from harness.env.vector_env import ReachEnv
-from harness.progress import Progress
 from harness.record import TraceWriter
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn

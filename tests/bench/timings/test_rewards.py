@@ -6,9 +6,9 @@ from numpy.random import default_rng
 
 import harness
 from harness.env.vector_env import ReachVectorEnv
-from harness.reach import ReachTask
 from harness.registry import choose, load_registry
 from harness.reward.forms import reward_class
+from harness.task import ReachTask
 
 pytestmark = pytest.mark.bench
 REGISTRY = load_registry()

@@ -5,8 +5,8 @@ from unittest import mock
 import pytest
 
 import harness
+from harness.algorithm import Progress
 from harness.env.vector_env import ReachEnv
-from harness.progress import Progress
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.sac_fast import SacFast
 from harness_plugins.fast_sac.training import Learner

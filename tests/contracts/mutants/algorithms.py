@@ -9,9 +9,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from harness.authoring import pack_generator, restore_generator
+from harness.algorithm import Progress, as_state, pack_generator, restore_generator
 from harness.policy import SquashedGaussian
-from harness.progress import Progress, as_state
 from harness.registry.registry import load_registry
 
 from . import mutant

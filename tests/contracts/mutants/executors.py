@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from harness.authoring import run_job
-from harness.executor import Event
+from harness.executor import Event, run_job
 
 from . import mutant
 

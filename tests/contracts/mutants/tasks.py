@@ -8,9 +8,8 @@ from pydantic.dataclasses import dataclass
 import harness
 from harness.goal import Goal
 from harness.motion.motion import Move, MoveJ
-from harness.reach import ReachTask
 from harness.registry.registry import load_registry
-from harness.task import Targets
+from harness.task import ReachTask, Targets
 
 from . import mutant
 

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.algorithm import Ring
 from harness.errors import SchemaError
 from harness.experiment.checkpoints.checkpoint import StoredRing, discard_rings, read_ring, require_rings, store_ring
-from harness.progress import Ring
 
 CAPACITY = 10
 

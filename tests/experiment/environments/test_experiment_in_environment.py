@@ -14,6 +14,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness import load_results
+from harness.algorithm import RETURN
 from harness.executor import CellOptions
 from harness.experiment.experiment import check, prepare
 from harness.experiment.plan import check_experiment, expand
@@ -21,7 +22,6 @@ from harness.experiment.run_cell import run_cell
 from harness.experiment.run_options import RunOptions
 from harness.experiment.verify import verify
 from harness.policy import load_policy
-from harness.progress import RETURN, SUCCESS
 from harness.record import (
     LOG,
     MANIFEST,
@@ -34,6 +34,7 @@ from harness.record import (
 )
 from harness.record.cell import digests_in
 from harness.record.merge import merge
+from harness.record.progress import SUCCESS
 from harness.record.recording.recording_writer import write_recording
 from harness.record.status import read_status
 from harness.registry import load_registry, read_given

@@ -13,10 +13,11 @@ from harness.env.arm_observation import ArmObservation, kinematics_policy
 from harness.errors import SchemaError
 from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.experiment.plan import check_experiment, expand
-from harness.policy import InverseKinematics, Uniform, load_policy
-from harness.reach import ReachTask
+from harness.policy import Uniform, load_policy
+from harness.policy.inverse_kinematics import InverseKinematics
 from harness.record.folder import CARD
 from harness.registry import choose, load_registry
+from harness.task import ReachTask
 from harness_plugins.algorithms.ik import Ik
 from harness_plugins.kit.trainings import observations, train
 

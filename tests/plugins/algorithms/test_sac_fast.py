@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from harness.progress import Progress
+from harness.algorithm import Progress
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.sac_fast import SacFast
 from harness_plugins.kit.algorithms import the_budget_is_spent_exactly, the_return_rises

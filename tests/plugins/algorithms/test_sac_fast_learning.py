@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import harness
+from harness.algorithm import Progress
 from harness.experiment.arm_evaluation import EVALUATION_SEED
-from harness.progress import Progress
 from harness_plugins.algorithms.sac_fast import SacFast
 
 pytestmark = pytest.mark.slow

@@ -5,8 +5,8 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
+from harness.algorithm import Progress
 from harness.policy import Categorical, Deterministic, Gaussian, Greedy, load_policy
-from harness.progress import Progress
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn
 from harness_plugins.algorithms.ppo import Ppo

@@ -8,9 +8,9 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
 import harness
+from harness.algorithm import Progress, TrainingState
 from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.policy import Gaussian, Policy, Uniform
-from harness.progress import Progress, TrainingState
 from harness.registry import build
 from harness_plugins.algorithms import spg
 from harness_plugins.algorithms.spg import Learner, Segment, Spg

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness_plugins.arms.self_collision import pair, pairs_apart, partners, shapes_of_base
+from harness_plugins.arms.self_collision import pair, pairs_apart, partners
 
 ROBOT = harness.load_robot("fd100")
 
@@ -22,7 +22,7 @@ def test_pairs_are_found_from_both_sides():
 
 def test_base_has_the_shapes_that_no_joint_moves():
     """The FD100's pedestal, foot plate and connector box, where they stand in the world."""
-    shapes = shapes_of_base(ROBOT)
+    shapes = ROBOT.base_shapes
     assert [shape.kind for shape in shapes] == ["cylinder", "box", "box"]
     assert shapes[1].T_link_shape[:3, 3] == pytest.approx([0.0, 0.0, 0.015])
     moved = sum(len(group) for group in ROBOT.joint_shapes)

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.authoring import Substeps
+from harness.simulator import Substeps
 from harness_plugins.arms.servo import ServoArms
 
 ROBOT = harness.load_robot("fd100")

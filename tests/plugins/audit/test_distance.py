@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 from numpy.random import default_rng
 
 from harness.payoff.rollout import record_rollouts
-from harness.reach import ReachTask
+from harness.task import ReachTask
 from harness_plugins.audit.distance import FORMS, SHAPING, compare_forms, distance_between
 from harness_plugins.audit.transitions.rollout_forms import forms_of_rollouts
 from harness_plugins.kit import IdealSimulator

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from harness.experiment.screening import CANNOT_TELL, FAILING, LOITERING, NOTHING
 from harness.record import read_recording
-from harness.screen import CANNOT_TELL, FAILING, LOITERING, NOTHING
 
 PAGE = (Path(__file__).parents[3] / "docs" / "audit.md").read_text()
 CHEATED, RECORDED, ASKED = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)

@@ -7,8 +7,8 @@ import pytest
 
 import harness
 from harness.experiment.plan import check_experiment, expand
+from harness.experiment.screening import CANNOT_TELL, FAILING, NOTHING
 from harness.registry import load_registry, read_given
-from harness.screen import CANNOT_TELL, FAILING, NOTHING
 from harness_plugins.audit import Cheats
 from harness_plugins.audit.search import find
 

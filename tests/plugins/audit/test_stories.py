@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from harness.experiment.screening import FAILING, NOTHING
 from harness.registry import choose, load_registry, read_given
-from harness.screen import FAILING, NOTHING
 from harness_plugins.audit import find_cheats
 
 ROOT = Path(__file__).parents[3]

@@ -13,8 +13,8 @@ from numpy.testing import assert_allclose
 
 from harness import load_results
 from harness.cli import main
-from harness.policy import InverseKinematics, SquashedGaussian, Uniform, UniformChoice, load_policy
-from harness.policy.inverse_kinematics import SHAPES
+from harness.policy import SquashedGaussian, Uniform, UniformChoice, load_policy
+from harness.policy.inverse_kinematics import SHAPES, InverseKinematics
 from harness.registry.choice import Choice
 from tests.stores import create_store
 

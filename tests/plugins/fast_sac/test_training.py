@@ -9,9 +9,9 @@ import pytest
 import stable_baselines3
 from numpy.testing import assert_allclose, assert_array_equal
 
+from harness.algorithm import Progress
 from harness.env.vector_env import ReachVectorEnv
 from harness.policy import Policy
-from harness.progress import Progress
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.sac_fast import SacFast
 from harness_plugins.fast_sac import training

@@ -5,8 +5,8 @@ from unittest import mock
 import stable_baselines3
 
 import harness
+from harness.algorithm import Progress
 from harness.env.vector_env import ReachEnv
-from harness.progress import Progress
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn
 from harness_plugins.algorithms.ppo import Ppo

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import harness
+from harness.algorithm import Progress
 from harness.env.vector_env import ReachVectorEnv
-from harness.progress import Progress
-from harness.reach import ReachTask
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.sb3.callback import ProgressCallback

@@ -9,7 +9,7 @@ import torch
 
 import harness
 from harness.env.vector_env import ReachVectorEnv
-from harness.reach import ReachTask
+from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.sb3.callback import actor_entropy

@@ -11,8 +11,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 from stable_baselines3 import SAC, HerReplayBuffer
 
+from harness.algorithm import Progress
 from harness.experiment.environments.world import EnvironmentBatch
-from harness.progress import Progress
 from harness.recorder.record_rewards import RecordRewards
 from harness_plugins.algorithms.her import Her
 from harness_plugins.kit.trainings import WatchedEnv

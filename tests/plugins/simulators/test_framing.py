@@ -5,10 +5,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 import harness
-from harness.reach import ReachTask
 from harness.robot.robot import read_robot
 from harness.scene.picture import camera_for, corners_of, seen_of
 from harness.scene.scene import scene_of
+from harness.task import ReachTask
 from tests.plugins.simulators.conftest import open_simulator
 
 WIDTH, HEIGHT = 160, 120

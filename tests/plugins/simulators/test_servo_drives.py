@@ -10,10 +10,10 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.authoring import ServoTrack
 from harness.robot.robot import read_robot
-from harness.simulator import State
-from harness_plugins.kit import CHECKS, violations
+from harness.simulator import ServoTrack, State
+from harness_plugins.kit import CHECKS
+from harness_plugins.kit.contract import violations
 from harness_plugins.mujoco_model import build_model
 from harness_plugins.simulators.dm_control import DmControl
 from harness_plugins.simulators.mujoco import Mujoco

@@ -5,8 +5,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.authoring import GroundContact
 from harness.robot import reach_position
+from harness.simulator import GroundContact
 from harness_plugins.tasks.low import Low
 from harness_plugins.tasks.small_target import SmallTarget
 from tests.robot.brought_arms import changed, read_arm

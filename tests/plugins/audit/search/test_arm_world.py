@@ -14,8 +14,8 @@ import harness
 from harness.env.vector_env import ReachVectorEnv, World as Arm
 from harness.errors import SimulationDiverged
 from harness.log.log import episode_sum
-from harness.reach import ReachTask
 from harness.registry import choose, load_registry
+from harness.task import ReachTask
 from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.place import places_on_task, world_at
 from harness_plugins.kit import IdealSimulator

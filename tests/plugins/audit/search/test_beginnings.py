@@ -11,9 +11,9 @@ from numpy.testing import assert_array_equal
 from harness import RecordRewards
 from harness.env.arm_observation import kinematics_policy
 from harness.env.vector_env import World as Arm
-from harness.reach import ReachTask
 from harness.recorder.env_facts import Columns
 from harness.reward.terms import Unpaid
+from harness.task import ReachTask
 from harness_plugins.audit.audit import finding_parts
 from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.beginnings import of_folder, policy_named

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Box, Discrete
 
-from harness.screen import CANNOT_TELL, FAILING, NOTHING
+from harness.experiment.screening import CANNOT_TELL, FAILING, NOTHING
 from harness_plugins.audit import find_cheats
 from harness_plugins.audit.search.find import Search
 from tests.refusals import refused

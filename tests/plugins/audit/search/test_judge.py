@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.screen import CANNOT_TELL, FAILING, LOITERING, NOTHING
+from harness.experiment.screening import CANNOT_TELL, FAILING, LOITERING, NOTHING
 from harness_plugins.audit.search.behaviour import Behaviour, Searched, Three
 from harness_plugins.audit.search.judge import Walk, judge
 

@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness.payoff.rollout import record_rollouts, score_rollout
-from harness.reach import ReachTask
 from harness.reward.forms import reward_class
+from harness.task import ReachTask
 from harness_plugins.audit.distance import FORMS, compare_forms
 from harness_plugins.audit.transitions.rollout_forms import ask_of, forms_of_rollouts, rows_of_rollouts
 from harness_plugins.kit import IdealSimulator

@@ -10,15 +10,6 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from harness.policy import Policy
 
-__all__ = [
-    "RETURN",
-    "Progress",
-    "Ring",
-    "TrainingState",
-    "as_state",
-    "under",
-]
-
 
 @dataclass(frozen=True, eq=False)
 class Ring:

@@ -9,8 +9,6 @@ from typing import Protocol
 from harness.eta.interval import SHARE, UNBOUNDED, Bounds
 from harness.log import Log
 
-__all__ = ["Measure"]
-
 
 class Measure(Protocol):
     """A frozen dataclass: how well a robot behaves, whatever it was paid.

@@ -19,17 +19,13 @@ from harness.errors import UsageError
 from harness.goal import Situation
 from harness.motion.modes import build_motion
 from harness.motion.motion import Motion, Setting
-from harness.reward import LARGEST_FACTOR
+from harness.reward import Pay
 from harness.robot import Robot
 from harness.robot.kinematics import end_effector_position, in_mount, reach_position, read_only
-from harness.robot.robot import FD100_REACH
 from harness.task import LONGEST_EPISODE, Targets, goal_of
-
-__all__ = ["FD100_REACH", "Pay", "ReachTask", "place_box"]
 
 Positive = Annotated[float, Field(gt=0)]
 Metres3 = tuple[float, float, float]
-Pay = Annotated[float, Field(ge=-LARGEST_FACTOR, le=LARGEST_FACTOR, allow_inf_nan=False)]
 Extents = tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]
 
 FD100_CENTER = np.array([0.85, 0.0, 0.7])
@@ -251,7 +247,7 @@ def place_box(robot: Robot, center: Float, half_extent: Float) -> tuple[Float, F
         Centre and half edges in the world, (3,) both, new arrays, [m]. Of an arm that leans, its edges are those of the
         smallest box around the one that leans with it.
     """
-    scale = robot.reach / FD100_REACH
+    scale = robot.scale
     mount = robot.chain.T_world_mount
     turned = mount[:3, :3] @ _front(robot)
     from_mount = turned @ (scale * center) + mount[:3, :3] @ way_to_mount(robot)
@@ -276,7 +272,7 @@ def way_to_mount(robot: Robot) -> Float:
     away, on a table or beside the origin, it is the rest of the way.
     """
     first = in_mount(robot.chain).T_previous_joint[0, :3, 3]
-    aside, room = np.array([first[0], first[1], 0.0]), FD100_MOUNT * (robot.reach / FD100_REACH)
+    aside, room = np.array([first[0], first[1], 0.0]), FD100_MOUNT * robot.scale
     distance = float(np.linalg.norm(aside))
     beyond = max(distance - room, 0.0) / distance if distance else 0.0
     up = max(float(first[2]) - room, 0.0)

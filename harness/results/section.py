@@ -14,8 +14,6 @@ from harness.registry.spec import blamed_on
 if TYPE_CHECKING:
     from harness.results import Results
 
-__all__ = ["Fact", "Grid", "Section", "Shown"]
-
 
 @dataclass(frozen=True)
 class Grid:
@@ -107,7 +105,7 @@ def shown_sections(results: "Results") -> dict[str, Shown]:
         with blamed_on(spec, "the report was made"):
             shown = section.show(results)
         if not isinstance(shown, Shown | None):
-            raise PluginError(f"{spec.title} shows a {type(shown).__name__}; write harness.section.Shown(facts, data)")
+            raise PluginError(f"{spec.title} shows a {type(shown).__name__}; write harness.results.Shown(facts, data)")
         if shown is not None:
             found[name] = shown
     return found

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from harness.record.cell import Cell
     from harness.registry.choice import Registry
 
-__all__ = ["Screen", "Screened"]
-
 SCREENS = "screens"
 FAILING, LOITERING, NOTHING, CANNOT_TELL = WORDS = (
     "PAYS FOR FAILING", "PAYS FOR LOITERING", "NOTHING FOUND", "CANNOT TELL"
