@@ -15,14 +15,15 @@ from hypothesis import settings
 from numpy.random import default_rng
 
 import harness
-from harness import load_results
+from harness import load_registry, load_results
+from harness.executor import Cell
 from harness.experiment.experiment import ExperimentRun
 from harness.experiment.plan import Plan
 from harness.experiment.workers.workers import News
 from harness.files.bounded import note_made
 from harness.policy.discrete import ChoosingNetwork
-from harness.record import EVALUATION, REPORT, Cell, Store
-from harness.registry import Choice, load_registry
+from harness.record import EVALUATION, REPORT, Store
+from harness.registry import Choice
 from harness_plugins.transfer import TransferRecord, simulator_id
 
 settings.register_profile("no deadline", deadline=None)  # a busy machine is no bug

@@ -15,6 +15,8 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from harness import load_registry
+from harness.executor import Cell
 from harness.experiment.followed import EndedCells
 from harness.files.bounded import read_keyed, seal, with_key
 from harness.record import (
@@ -25,7 +27,6 @@ from harness.record import (
     POLICY,
     RANDOM,
     TRACE,
-    Cell,
     Manifest,
     Store,
     read_manifest,
@@ -33,7 +34,7 @@ from harness.record import (
 )
 from harness.record.cell import digests_in
 from harness.record.plan_file import StoredPlan
-from harness.registry import Choice, Registry, choose, load_registry
+from harness.registry import Choice, Registry, choose
 from harness.results.kept import FORMAT, LARGEST
 from harness.score.scorer import pay_log
 

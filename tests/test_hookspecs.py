@@ -2,7 +2,8 @@
 
 import inspect
 
-from harness.hookspecs import KINDS, Hooks, Register
+from harness import Register
+from harness.hookspecs import KINDS, Hooks
 
 
 def test_kinds_are_the_hooks():

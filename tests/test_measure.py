@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from harness import load_registry
 from harness.log.measure import bounds_of, is_error, is_share
-from harness.registry import load_registry
 from harness.registry.choice import build_defaults
 from harness_plugins.kit.metrics import recorded_trace
 

@@ -9,10 +9,11 @@ from pathlib import Path
 import pytest
 import typer.main
 
+from harness import load_registry
 from harness.cli.app import build_app
 from harness.errors import UsageError
 from harness.record import SCALARS
-from harness.registry import choose, load_registry
+from harness.registry import choose
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "note.md"

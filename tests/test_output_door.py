@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import harness
-from harness.text import print_visible
+from harness.errors import print_visible
 
 ROOT = Path(harness.__file__).parents[1]
 ALLOWED = {

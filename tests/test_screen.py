@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import pytest
 
+from harness import load_registry
 from harness.executor import Screened
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.screening import CANNOT_TELL, FAILING, NOTHING, screened
-from harness.registry import Registry, Spec, load_registry
+from harness.registry import Registry, Spec
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from typing import ClassVar
 
 import pytest
 
+from harness import load_registry
 from harness.env.vector_env import World
-from harness.registry import load_registry
 from harness.simulator import family_of
 from tests.heavy_arms import Heavy
 

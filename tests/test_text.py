@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 import harness
-from harness.text import LONGEST_MESSAGE, command_text, file_stems, number, one_line, shortened, visible
+from harness.errors import one_line
+from harness.text import LONGEST_MESSAGE, command_text, file_stems, number, shortened, visible
 
 
 def test_what_is_not_seen_is_written_out(subtests):

@@ -6,7 +6,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.robot.kinematics import link_frames
+from harness.robot import link_frames
 from harness.simulator import GroundContact
 from tests.refusals import refused
 

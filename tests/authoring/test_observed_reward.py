@@ -8,9 +8,9 @@ from hypothesis import given, strategies as st
 from numpy.random import default_rng
 
 import harness
+from harness import load_registry
 from harness.env.vector_env import ReachVectorEnv
 from harness.registry.choice import choose
-from harness.registry.registry import load_registry
 from harness.reward import ObservedReward
 from harness.score.places import parse_places
 from harness_plugins.kit import IdealSimulator

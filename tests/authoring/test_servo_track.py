@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.robot.joint_limits import Servo
+from harness.robot import Servo
 from harness.simulator import ServoTrack
 
 STEP = 0.005

@@ -5,11 +5,10 @@ import pytest
 from numpy.linalg import norm
 
 import harness
-from harness.motion.modes import build_motion
-from harness.motion.motion import Setting
+from harness import load_registry
 from harness.registry.choice import choose
-from harness.registry.registry import load_registry
 from harness.simulator import Substeps
+from harness.task import Setting, build_motion
 from tests.refusals import refused
 
 REGISTRY = load_registry()

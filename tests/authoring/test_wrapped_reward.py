@@ -4,8 +4,8 @@ import importlib
 
 import pytest
 
+from harness import load_registry
 from harness.registry.choice import choose
-from harness.registry.registry import load_registry
 
 NEST = """
 import harness

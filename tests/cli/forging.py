@@ -8,8 +8,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from harness.executor import Cell
 from harness.files.bounded import FIRST_LINE, digest_of, note_made, seal
-from harness.record import Cell
 
 ESCAPE = "\x1b]0;owned\x07\x1b[2J\u202e"
 """What a terminal would obey."""

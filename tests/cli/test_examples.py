@@ -5,10 +5,10 @@ import shlex
 import pytest
 import typer
 
+from harness import load_registry
 from harness.cli.app import PANELS, build_app
 from harness.cli.commands import KIND
 from harness.cli.help import EXAMPLES, FIRST_STEPS
-from harness.registry import load_registry
 
 LINES = [line for lines in EXAMPLES.values() for line in lines]
 

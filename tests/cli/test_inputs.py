@@ -4,9 +4,9 @@ import shutil
 
 import pytest
 
+from harness import load_registry
 from harness.cli.app import build_app
 from harness.cli.flags.inputs import FITTING
-from harness.registry import load_registry
 from tests.cli.test_refused import place  # noqa: F401 the folders of these lines
 
 PATHS = {

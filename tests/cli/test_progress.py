@@ -9,8 +9,7 @@ from rich.console import Console
 
 from harness.algorithm import RETURN
 from harness.cli.progress import LiveProgress
-from harness.executor import Event
-from harness.record import Cell
+from harness.executor import Cell, Event
 from harness.record.cell import BROUGHT
 from harness.record.progress import SPEED, SUCCESS
 from harness.registry import Choice

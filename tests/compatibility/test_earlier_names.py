@@ -8,7 +8,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.face import INSTEAD, LEFT, MOVED
-from harness.record import trace_of
+from harness.log import trace_of
 
 
 @pytest.mark.parametrize(("old", "new"), MOVED.items())

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from harness import load_registry
 from harness.algorithm import Progress, Ring, needs_goals
-from harness.registry.registry import load_registry
 from harness_plugins.kit.kits import KITS
 
 REGISTRY = load_registry()

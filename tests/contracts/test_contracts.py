@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import harness
+from harness import load_registry
 from harness.errors import ContractViolation, UsageError
 from harness.log.format import HEAD
 from harness.log.open_log import formats_of
 from harness.motion.modes import MODES
-from harness.registry.registry import load_registry
-from harness.robot.ground_clearance import build_solids
+from harness.robot import build_solids
 from harness_plugins.kit import CHECKS, IdealSimulator, check_contract
 from harness_plugins.kit.contract import Check, require, violations
 from harness_plugins.kit.kits import KITS

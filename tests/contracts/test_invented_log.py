@@ -9,10 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from harness import load_registry
 from harness.errors import SchemaError
-from harness.log.open_log import find_logs, open_logs
+from harness.log import open_logs
+from harness.log.open_log import find_logs
 from harness.registry.given import read_given
-from harness.registry.registry import load_registry
 
 FILE = Path(__file__).parents[2] / "examples" / "log-format" / "black_box.py"
 MOST_LINES = 60

@@ -16,10 +16,10 @@ import pytest
 import typer
 from typer.exceptions import TyperException
 
+from harness import load_registry
 from harness.cli import main
 from harness.cli.app import build_app
 from harness.experiment.plan import Experiment, check_experiment, expand
-from harness.registry import load_registry
 from harness_plugins.kit.new_plugin import PluginName, package_files
 from tests.docs.pages import ROOT, Command, blocks, blocks_of, commands_of
 from tests.docs.ways import HELD, NEEDS, NOT_RUN, SKIPPED

@@ -5,9 +5,10 @@ import pytest
 from numpy.random import default_rng
 
 import harness
+from harness import load_registry
 from harness.env.vector_env import ReachVectorEnv
 from harness.record import TraceWriter, read_trace
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness.robot import reach_position
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator

@@ -7,8 +7,8 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common import env_checker
 
+from harness import load_registry
 from harness.motion.modes import MODES
-from harness.registry import load_registry
 
 INNER = [f"discrete:action={mode}" for mode in MODES if mode != "discrete"]
 ACTIONS = [*MODES, *INNER]

@@ -8,9 +8,8 @@ from pydantic.dataclasses import dataclass
 
 import harness
 from harness import make_env
-from harness.goal import Goal
 from harness.score.scorer import pay_log
-from harness.task import ReachTask, goal_of
+from harness.task import Goal, ReachTask, goal_of
 from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose
 from tests.env.conftest import REGISTRY, build

@@ -5,7 +5,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.env.ideal import IdealSimulator
+from harness_plugins.kit import IdealSimulator
 
 ROBOT = harness.load_robot("fd100")
 

@@ -7,10 +7,11 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.env.ideal import IdealSimulation, IdealSimulator
+from harness.env.ideal import IdealSimulation
 from harness.env.solid_probes import DEPTH, GAP, find_missing, missing_in_words, probes_of, require_solids
 from harness.errors import MissingSolid
 from harness.robot import Robot, build_solids, link_frames
+from harness_plugins.kit import IdealSimulator
 
 ROBOT = harness.load_robot("fd100")
 PROBES = probes_of(ROBOT)

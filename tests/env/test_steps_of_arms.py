@@ -10,7 +10,8 @@ from numpy.testing import assert_array_equal
 
 import harness
 from harness.env.vector_env import ReachVectorEnv
-from harness.record import TraceWriter, read_trace, trace_of
+from harness.log import trace_of
+from harness.record import TraceWriter, read_trace
 from harness.record.trace import TERM, terms_of
 from harness.reward.forms import reward_class
 from harness.reward.steps import MissingField

@@ -7,12 +7,13 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
 import harness
-from harness import load_robot
+from harness import load_registry, load_robot
 from harness.env.vector_env import build_world
+from harness.executor import Cell
 from harness.experiment.arm_evaluation import act_of, evaluate, record_evaluation
 from harness.policy import Uniform
-from harness.record import Cell, read_trace
-from harness.registry import choose, load_registry
+from harness.record import read_trace
+from harness.registry import choose
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from tests.heavy_arms import Heavy

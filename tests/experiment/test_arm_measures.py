@@ -6,14 +6,14 @@ import pyarrow.parquet as pq
 import pytest
 
 import harness
-from harness import load_results
+from harness import load_registry, load_results
 from harness.experiment.arm_world import evaluation_scalars
 from harness.experiment.experiment import check
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.trials.arm_trial import try_arm
 from harness.experiment.trials.tried import Tried
 from harness.record import read_trace
-from harness.registry import load_registry, read_given
+from harness.registry import read_given
 from harness.report import Report
 from harness.report.document import report_text
 from harness.results.metrics import fields_needed

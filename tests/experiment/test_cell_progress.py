@@ -11,6 +11,7 @@ from harness.algorithm import RETURN
 from harness.executor import CellOptions
 from harness.experiment import arm_evaluation
 from harness.experiment.run_cell import run_cell
+from harness.log import episode_facts
 from harness.record import (
     EVALUATION,
     LOG,
@@ -25,7 +26,6 @@ from harness.record import (
 )
 from harness.record.folder import WEIGHTS, evaluation_files
 from harness.record.progress import SPEED, SUCCESS
-from harness.record.trace import episode_facts
 from harness.registry import Choice
 
 pytestmark = pytest.mark.usefixtures("toys")

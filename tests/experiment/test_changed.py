@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from harness import load_registry, load_robot
 from harness.errors import UsageError
 from harness.executor import Event
 from harness.experiment import changed
@@ -14,8 +15,7 @@ from harness.experiment.experiment import ExperimentRun
 from harness.experiment.provenance import describe_environment
 from harness.experiment.run_options import RunOptions
 from harness.record import Store, partial_folder, read_manifest
-from harness.registry import Choice, load_registry
-from harness.robot.robot import load_robot
+from harness.registry import Choice
 from tests.refusals import refused
 
 OLD, NEW = "9340a572" + "0" * 56, "f96dd784" + "0" * 56

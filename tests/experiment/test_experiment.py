@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 import harness
-from harness import load_results
+from harness import load_results, run
 from harness.executor import Event, Limits
-from harness.experiment.experiment import ExperimentRun, check, default_folder, run
+from harness.experiment.experiment import ExperimentRun, check, default_folder
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_options import RunOptions
 from harness.record import LOG, Manifest, Store, partial_folder

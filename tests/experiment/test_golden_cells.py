@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from harness import load_registry
 from harness.executor import CellOptions
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import partial_folder, read_recording, read_trace
-from harness.registry import load_registry
 from tests.arithmetic import arithmetic
 
 FILE = Path(__file__).parent / "golden_cells.json"

@@ -5,9 +5,9 @@ import shutil
 
 import pytest
 
+from harness import load_registry, load_robot
 from harness.experiment.installation import describe_installation, describe_workers, differences
-from harness.registry import Choice, load_registry, read_given
-from harness.robot.robot import load_robot
+from harness.registry import Choice, read_given
 from tests.refusals import refused
 from tests.registry.test_given import REWARD
 

@@ -2,12 +2,12 @@
 
 import pytest
 
-from harness.executor import CellOptions, Job, Limits
-from harness.experiment.jobs import order_of, run_job, run_jobs
+from harness import load_registry
+from harness.executor import CellOptions, Job, Limits, run_job, run_jobs
+from harness.experiment.jobs import order_of
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.workers.order import read_order
 from harness.record import EVALUATION, POLICY, TRACE
-from harness.registry import load_registry
 
 QUICK = {"sim": "kinematic", "algo": "random,sac-fast", "reward": "arp", "seeds": 1, "steps": 320}
 QUICK |= {"evaluation_episodes": 2}

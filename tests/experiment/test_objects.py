@@ -5,8 +5,9 @@ import sys
 
 import pytest
 
+from harness import load_registry
 from harness.experiment.objects import name_objects
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness_plugins.environments.any_gymnasium import AnyGymnasium
 from harness_plugins.rewards.arp import Arp
 from tests.refusals import refused

@@ -8,10 +8,10 @@ import pytest
 import tomli_w
 
 import harness_robots
+from harness import load_registry, load_robot
 from harness.experiment.plan import check_experiment, expand, read_experiment
 from harness.record.store import EXPERIMENT
-from harness.registry import choose, load_registry
-from harness.robot.robot import load_robot
+from harness.registry import choose
 from tests.refusals import refused
 from tests.stores import create_store
 

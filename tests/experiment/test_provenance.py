@@ -12,7 +12,7 @@ from platform import machine
 import numpy as np
 import pytest
 
-from harness import load_robot
+from harness import load_registry, load_robot
 from harness.experiment.provenance import (
     blas_kernel,
     describe_environment,
@@ -20,7 +20,7 @@ from harness.experiment.provenance import (
     source_commit,
     versions_behind,
 )
-from harness.registry import Choice, Spec, load_registry
+from harness.registry import Choice, Spec
 from harness_plugins.rewards import arp
 
 ROBOT = load_robot("fd100")

@@ -11,13 +11,12 @@ import numpy as np
 import pytest
 from safetensors.numpy import load_file, save_file
 
-from harness import load_results
+from harness import load_registry, load_results
 from harness.errors import NewerFormat, UsageError
 from harness.experiment.verify import missing_cells, repair, verify
 from harness.record import EXPERIMENT, MANIFEST, PLAN, REPORT, RESULTS, TRACE, Store
 from harness.record.cell import read_manifest
 from harness.record.folder import CARD, WEIGHTS
-from harness.registry import load_registry
 
 SUMS = "SHA256SUMS"
 

@@ -5,9 +5,9 @@ from numpy.testing import assert_allclose
 from harness import load_robot
 from harness.env.vector_env import build_world
 from harness.experiment.arm_evaluation import act_of, evaluate
+from harness.log import episode_facts
 from harness.policy import Uniform
 from harness.record import read_trace
-from harness.record.trace import episode_facts
 from harness.registry import choose
 from harness.robot.energy import least_work, read_bodies
 

@@ -9,9 +9,10 @@ from random import Random
 
 import pytest
 
+from harness import load_registry
 from harness.errors import HarnessError
-from harness.record import Cell
-from harness.registry import choose, load_registry
+from harness.executor import Cell
+from harness.registry import choose
 from tests.fuzz.readers import readers
 
 KINDS = {"simulators": "ideal", "tasks": "fd100-reach", "algorithms": "wander", "rewards": "arp"}

@@ -15,9 +15,10 @@ import safetensors.numpy
 import trimesh
 from numpy.random import default_rng
 
+from harness import load_robot
 from harness.experiment.plan import check_experiment, expand, read_experiment
 from harness.files.bounded import seal, unseal
-from harness.log.open_log import open_logs
+from harness.log import open_logs
 from harness.motion.motion import JointLimits
 from harness.policy import (
     Greedy,
@@ -42,8 +43,8 @@ from harness.record.recording.recording_writer import RecordingWriter
 from harness.record.scene import read_scene, write_scene
 from harness.registry import choose
 from harness.registry.toml_file import read_toml
-from harness.robot.meshes import read_mesh
-from harness.robot.robot import load_robot, read_robot
+from harness.robot import read_mesh
+from harness.robot.robot import read_robot
 from harness.scene.scene import scene_of
 from harness.score.open_steps import open_steps
 from harness_plugins.audit import page_in

@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from harness.executor import Cell
 from harness.experiment.plan import Plan
-from harness.record import TRACE, Cell
+from harness.record import TRACE
 from harness.registry import Choice
 from tests.laws.said import INTERIM, REFUSED, answered, remedies, say, typed
 from tests.laws.writers import chart, evaluations, events, files, lines, monitor, paid, progress, table

@@ -11,17 +11,17 @@ from gymnasium.vector import AutoresetMode
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
+from harness import load_registry
 from harness.env.goal_env import ReachGoalEnv, forgets_the_way
-from harness.env.ideal import IdealSimulator
 from harness.env.vector_env import World
 from harness.experiment.arm_evaluation import play
 from harness.experiment.environments.paid_again import PayAgain
-from harness.log import LogFacts, in_memory
+from harness.log import LogFacts, in_memory, trace_of
 from harness.payoff.dataset.paid_dataset import pay_dataset
 from harness.payoff.dataset.rewards import given_rewards
 from harness.payoff.rollout import record_rollouts, score_rollout
-from harness.record import TraceWriter, read_recording, read_trace, trace_of
-from harness.registry import choose, load_registry, read_given
+from harness.record import TraceWriter, read_recording, read_trace
+from harness.registry import choose, read_given
 from harness.reward.forms import reward_class
 from harness.reward.steps import ENDS
 from harness.score.places import parse_places
@@ -29,6 +29,7 @@ from harness.score.scorer import pay_log
 from harness.task import ReachTask
 from harness_plugins.audit import audit_rewards
 from harness_plugins.audit.search.place import places_in_environment, places_on_task, world_at
+from harness_plugins.kit import IdealSimulator
 from tests.refusals import refused
 
 FD100 = harness.load_robot("fd100")

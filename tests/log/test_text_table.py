@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness.errors import SchemaError
-from harness.log.log import require_columns
+from harness.log import require_columns
 from harness.log.text_table import NOTHING, head_of, parse_table, read_text
 from tests.refusals import refused
 

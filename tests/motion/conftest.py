@@ -8,11 +8,11 @@ import pytest
 from numpy.linalg import norm
 from numpy.random import default_rng
 
-from harness.motion.motion import Setting
+from harness import load_robot
 from harness.robot import Robot
 from harness.robot.kinematics import build_chain
-from harness.robot.robot import load_robot
 from harness.robot.urdf import Joint
+from harness.task import Setting
 
 PERIOD = 0.1
 SPEED, ACCELERATION = 0.8, 0.6

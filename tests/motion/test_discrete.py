@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.motion.discrete import Discrete
-from harness.motion.modes import build_motion
+from harness.task import build_motion
 from tests.refusals import refused
 
 INNER = ("movej", "movej-absolute", "movel", "movea", "set-joints")

@@ -8,8 +8,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
 import harness
-from harness.motion.modes import build_motion
 from harness.motion.tip import Follower
+from harness.task import build_motion
 
 
 @pytest.fixture(scope="module")

@@ -5,11 +5,12 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
+from harness import load_registry
 from harness.motion.discrete import Discrete
-from harness.motion.modes import MODES, build_motion
-from harness.registry import choose, load_registry
+from harness.motion.modes import MODES
+from harness.registry import choose
 from harness.registry.members import parameters_of
-from harness.task import ReachTask
+from harness.task import ReachTask, build_motion
 from tests.refusals import refused
 
 SIZES = {"movej": 6, "movej-absolute": 6, "movel": 3, "movea": 6, "set-joints": 6, "discrete": 6}

@@ -5,8 +5,8 @@ from hypothesis import given, settings, strategies as st
 from numpy.linalg import norm
 from numpy.testing import assert_allclose
 
-from harness.motion.modes import build_motion
 from harness.motion.tip import arc_through
+from harness.task import build_motion
 
 COORDINATE = st.floats(-1.0, 1.0).map(lambda number: round(number, 2))
 WAY = 0.05

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
-from harness.motion.modes import build_motion
+from harness.task import build_motion
 
 
 def test_lands_where_it_is_told(arm, setting_of, course_of, poses):

@@ -6,9 +6,9 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.motion.modes import build_motion
+from harness import load_robot
 from harness.robot import forward
-from harness.robot.robot import load_robot
+from harness.task import build_motion
 
 COUNT = 30
 UCS = "ucs_origin=0.1x0x0,ucs_x=0.1x2x0,ucs_xy=0.1x1x1"

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.motion.modes import build_motion
+from harness.task import build_motion
 
 
 def test_the_arm_is_there_at_once(arm, setting_of, poses):
@@ -22,7 +22,7 @@ def test_it_jumps(fd100, setting_of):
 
 def test_the_unity_arm_turns_as_published(setting_of):
     """Its action times (180, 90, 180, 90, 90) degrees is the pose."""
-    from harness.robot.robot import load_robot
+    from harness import load_robot
 
     robot = load_robot("unity-arm")
     action = np.array([[0.1, -0.2, 0.3, -0.4, 1.0]])

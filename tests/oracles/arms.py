@@ -8,7 +8,7 @@ import numpy as np
 from numpy.linalg import norm
 from numpy.random import default_rng
 
-from harness.robot.robot import load_robot
+from harness import load_robot
 from tests.oracles.trial import Trial, call
 
 POSES = 3

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from harness.executor import Cell
 from harness.experiment.plan import Plan
 from harness.files.bounded import digest_of
-from harness.record import EVALUATION, MANIFEST, TRACE, Cell
+from harness.record import EVALUATION, MANIFEST, TRACE
 from harness.registry import Choice
 from tests.cli.forging import change as sealed_again
 from tests.oracles.answers import Row, accelerated, etas, indices

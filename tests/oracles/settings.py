@@ -8,11 +8,11 @@ import numpy as np
 import safetensors.numpy
 from numpy.random import default_rng
 
+from harness import load_registry
 from harness.errors import HarnessError
 from harness.experiment.plan import expand, read_experiment
 from harness.policy import load_policy
 from harness.record.folder import CARD, WEIGHTS
-from harness.registry import load_registry
 from tests.oracles.trial import Refused, Trial
 
 SIMS, ALGOS = ("kinematic", "mujoco"), ("sb3-sac", "td3", "random")

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from harness import load_robot
+from harness import load_registry, load_robot
 from harness.payoff.rollout import record_rollouts
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 

@@ -7,7 +7,7 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_equal
 
-from harness import load_robot
+from harness import load_registry, load_robot
 from harness.env.vector_env import ReachVectorEnv
 from harness.errors import UsageError
 from harness.experiment.arm_evaluation import EVALUATION_SEED
@@ -18,7 +18,7 @@ from harness.payoff.rollout import (
     score_rollout,
 )
 from harness.record.trace import TERM
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness.reward.forms import reward_class
 from harness.reward.steps import ARM_BEFORE
 from harness.task import ReachTask

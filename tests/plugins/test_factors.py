@@ -1,7 +1,7 @@
 """The factor that several rewards have."""
 
+from harness import load_registry
 from harness.registry.choice import choose
-from harness.registry.registry import load_registry
 from tests.refusals import refused
 
 FACTORS = ("arp:k1", "arp:k2", "aarp:k1", "aarp:k2", "aarp:k_max", "aarp:growth", "adaptive:k_far", "adaptive:k_near")

@@ -3,9 +3,9 @@
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+from harness import load_registry
 from harness.algorithm import IN_ENVIRONMENTS
 from harness.registry.members import parameters_of
-from harness.registry.registry import load_registry
 from harness_plugins.hyperparameters import MOST_ENVS, NumEnvs
 
 

@@ -10,12 +10,11 @@ from stable_baselines3.common.vec_env import VecEnv
 import harness
 from harness.algorithm import Progress
 from harness.env.vector_env import ReachVectorEnv
-from harness.robot.kinematics import reach_position
+from harness.robot import reach_position
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
-from harness_plugins.sb3.callback import ProgressCallback
-from harness_plugins.sb3.vec_env import VecEnvAdapter
+from harness_plugins.sb3 import ProgressCallback, VecEnvAdapter
 from harness_plugins.tasks.unity import Arp2021
 
 ROBOT = harness.load_robot("fd100")

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from harness import load_registry
 from harness.errors import UsageError
 from harness.executor import TrackedCell
 from harness.experiment.plan import check_experiment, expand
@@ -13,7 +14,6 @@ from harness.experiment.screening import CANNOT_TELL, NOTHING
 from harness.registry.allowed import PROGRAMS
 from harness.registry.choice import choose
 from harness.registry.given import read_given
-from harness.registry.registry import load_registry
 
 REGISTRY = load_registry()
 TRACKERS = {"tensorboard": "tensorboard", "wandb": "wandb:mode=offline"}

@@ -7,7 +7,7 @@ from dataclasses import FrozenInstanceError, fields
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.record import Cell
+from harness.executor import Cell
 from harness.registry import Choice
 
 CHANGED = {

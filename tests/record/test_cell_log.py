@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from harness.log.open_log import open_logs
-from harness.record import RANDOM, SCALARS, TRACE, Cell, EpisodeFacts, Manifest, TraceWriter, read_trace
+from harness import load_registry
+from harness.executor import Cell
+from harness.log import episode_facts, open_logs
+from harness.record import RANDOM, SCALARS, TRACE, EpisodeFacts, Manifest, TraceWriter, read_trace
 from harness.record.cell_log import CellLog
-from harness.record.trace import episode_facts, terms_of
-from harness.registry import Choice, load_registry
+from harness.record.trace import terms_of
+from harness.registry import Choice
 
 FACTS = EpisodeFacts(horizon=2, control_period=0.1)
 CELL = Cell(

@@ -4,8 +4,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import SchemaError
+from harness.log import episode_facts
 from harness.record import EpisodeFacts, TraceWriter, read_trace
-from harness.record.trace import episode_facts
 
 FACTS = EpisodeFacts(horizon=100, control_period=0.1, ik_steps=(3, None, 5), work=(1.5, 0.0, 2.25))
 

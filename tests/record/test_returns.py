@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.record import trace_of
+from harness.log import trace_of
 from harness.record.returns import mean_return
 
 

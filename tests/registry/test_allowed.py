@@ -7,7 +7,8 @@ import sys
 import pytest
 
 from harness.errors import UsageError
-from harness.registry.allowed import VARIABLE, allow_imports, allow_typed, allowed_imports, require_allowed
+from harness.files import require_allowed
+from harness.registry.allowed import VARIABLE, allow_imports, allow_typed, allowed_imports
 
 ID = "evil:X-v0"
 EVIL = """

@@ -5,8 +5,9 @@ import json
 import pytest
 from hypothesis import example, given, settings, strategies as st
 
+from harness import load_registry
 from harness.errors import UsageError
-from harness.registry import Choice, build_defaults, choose, load_registry, parse, split_list
+from harness.registry import Choice, build_defaults, choose, parse, split_list
 from harness.registry.choice import build_named
 
 NAMES = st.from_regex(r"[a-z0-9][a-z0-9_-]{0,8}", fullmatch=True)

@@ -6,15 +6,10 @@ import json
 
 import pytest
 
+from harness import load_registry
 from harness.errors import UsageError
 from harness.files.plain import from_plain, to_plain
-from harness.registry import (
-    choose,
-    load_registry,
-    read_given,
-    require_given,
-    source_hash,
-)
+from harness.registry import choose, read_given, require_given, source_hash
 from harness.registry.given import Given, PluginClass, PluginFile, class_given, plugin_flags
 
 REWARD = '''

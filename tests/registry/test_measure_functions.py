@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from harness import load_registry
 from harness.errors import Unmeasured, UsageError
+from harness.log import episode_facts, trace_of
 from harness.log.measure import bounds_of, is_share, needs_of
-from harness.record.trace import episode_facts, trace_of
-from harness.registry import build_defaults, fingerprint, load_registry, read_given
+from harness.registry import build_defaults, fingerprint, read_given
 from harness_plugins.kit import check_contract
 from harness_plugins.kit.metrics import recorded_trace
 

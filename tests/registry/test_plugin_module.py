@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from harness import load_registry
 from harness.errors import UsageError
 from harness.files.plain import from_plain, to_plain
-from harness.registry import load_registry, read_given, source_hash
+from harness.registry import read_given, source_hash
 from harness.registry.given import Given, PluginFile
 from harness.registry.plugin_module import COPIES, OLD, _own_folder, file_behind, import_file
 

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import pytest
 
+from harness import load_registry
 from harness.errors import PluginError, UsageError
 from harness.hookspecs import KINDS
-from harness.registry import OURS, Spec, did_you_mean, load_registry, registry as module, unknown_name
+from harness.registry import OURS, Spec, did_you_mean, registry as module, unknown_name
 from harness.registry.registry import VARIABLE, Wanted, installed
 
 ONE_OF_EACH = "import harness\n" + "".join(

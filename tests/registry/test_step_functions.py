@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from harness import load_registry
 from harness.errors import UsageError
-from harness.registry import load_registry, read_given, split_measures
+from harness.registry import read_given, split_measures
 
 ONE = """
 import math

@@ -5,17 +5,18 @@ from typing import ClassVar
 
 import pytest
 
+from harness import load_registry
 from harness.algorithm import Algorithm
 from harness.errors import PluginError
 from harness.executor import Executor, Screen, Tracker
 from harness.hookspecs import KINDS
 from harness.log import LogFormat, Measure
-from harness.registry import Registry, Spec, load_registry
+from harness.registry import Registry, Spec
 from harness.registry.members import MEMBERS, missing_members, require_members
 from harness.registry.targets import examined, why_absent, why_unfit
 from harness.results import Section
 from harness.reward import Reward
-from harness.robot.description import DescriptionFormat
+from harness.robot import DescriptionFormat
 from harness.simulator import Simulator
 from harness.task import Task
 

@@ -14,12 +14,14 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from harness import load_results
+from harness import load_registry, load_results
 from harness.errors import UsageError
+from harness.executor import Cell
 from harness.experiment.plan import Plan
-from harness.record import COLUMN, EVALUATION, RANDOM, SCALARS, TRACE, Cell, Manifest, TraceWriter, trace_of
+from harness.log import trace_of
+from harness.record import COLUMN, EVALUATION, RANDOM, SCALARS, TRACE, Manifest, TraceWriter
 from harness.record.trace import FLAGS, INTEGERS
-from harness.registry import Choice, choose, load_registry
+from harness.registry import Choice, choose
 from harness.score.compare import compare_logs
 from harness.score.open_steps import match_steps
 from harness.score.scorer import pay_log

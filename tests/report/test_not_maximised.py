@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from harness import load_results
+from harness import load_registry, load_results
 from harness.eta import Ruling
 from harness.executor import CellOptions
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import read_recording
-from harness.registry import load_registry, read_given
+from harness.registry import read_given
 from harness.report import FactsTable, Report, report_text, write_html
 from harness_plugins.committed import write_summary
 from tests.report.conftest import printed, squeezed

@@ -11,9 +11,8 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from harness import load_results
+from harness import load_registry, load_results
 from harness.record import read_recording
-from harness.registry import load_registry
 from harness.report import FactsTable, Report, report_text, write_html
 from harness_plugins.audit import audit_dataset, audit_recordings
 from harness_plugins.audit.dataset.page import write_dataset_page

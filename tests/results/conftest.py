@@ -4,10 +4,9 @@ from weakref import WeakSet
 
 import pytest
 
-from harness import load_results
+from harness import load_registry, load_results
 from harness.experiment.plan import check_experiment, expand
 from harness.record import read_trace
-from harness.registry import load_registry
 from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, finish
 from tests.results.gentle import run_gentle
 from tests.results.in_looks import folder_in_looks

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from harness import load_results
+from harness import load_registry, load_results
 from harness.errors import UsageError
-from harness.registry import load_registry
 from harness.results import Results
 from harness_plugins.transfer import plan_transfers
 from tests.results.recordings.conftest import PAYS, record

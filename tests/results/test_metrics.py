@@ -5,10 +5,9 @@ import json
 import pyarrow.parquet as pq
 import pytest
 
-from harness import load_results
+from harness import load_registry, load_results
 from harness.errors import PluginError, UsageError
 from harness.record import Manifest
-from harness.registry import load_registry
 from harness.report import Report, behaviour_grids, report_text
 from harness.results.metrics import load_metrics, measure, measure_of
 from harness_plugins.committed.tables import write_cells

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from harness.errors import SchemaError, UsageError
-from harness.record import read_trace, trace_of
+from harness.log import trace_of
+from harness.record import read_trace
 from harness.results import replay
 from harness.results.replay import ShownCells, choose, first_show, show_cells, shows_of
 from harness_plugins.kit.metrics import recorded_trace

@@ -5,8 +5,9 @@ from importlib.metadata import entry_points
 
 import numpy as np
 
+from harness import load_registry
 from harness.eta import curve_of
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness.results.score_matrix import score_matrices
 from tests.results.folders import ARP_RUNS, BASELINE_RUNS, paid
 from tests.results.test_traces import BROKEN

@@ -7,10 +7,10 @@ from importlib.metadata import entry_points
 import numpy as np
 import pytest
 
-from harness import load_results
+from harness import load_registry, load_results
 from harness.eta import corrected_p, curve_of
 from harness.record import EpisodeFacts
-from harness.registry import Choice, load_registry
+from harness.registry import Choice
 from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, fail, load_without, only, paid
 
 STRONG = Choice("arp", (("k1", 1.0), ("k2", 2.0)), "arp:k2=2")

@@ -6,8 +6,9 @@ import re
 import pytest
 from numpy.testing import assert_array_equal
 
+from harness import load_registry
 from harness.errors import UsageError
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness.reward import pay
 from harness.reward.forms import FAILED, STEP, reward_class, takes_alone
 from harness.reward.terms import Needs, made_up, needs_of, shown_needs

@@ -4,7 +4,8 @@ import numpy as np
 import pinocchio
 from numpy.random import default_rng
 
-from harness.registry import choose, load_registry
+from harness import load_registry
+from harness.registry import choose
 from harness.robot.robot import read_robot
 
 BODY = (

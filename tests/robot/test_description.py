@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import pytest
 
+from harness import load_robot
 from harness.errors import PluginError, UsageError
 from harness.registry import Registry, Spec
 from harness.robot import Description
-from harness.robot.robot import is_path, load_robot, read_robot
+from harness.robot.robot import is_path, read_robot
 from tests.refusals import refused
 from tests.robot.brought_arms import ARM, read_arm
 

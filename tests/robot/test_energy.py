@@ -6,7 +6,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
 import harness
-from harness.registry import load_registry
+from harness import load_registry
 from harness.robot.energy import GRAVITY, energy, least_work, read_bodies
 from harness.robot.robot import read_robot
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from harness import load_robot
 from harness.robot import forward, parse_urdf
 from harness.robot.kinematics import build_chain
 from harness.robot.normal_urdf import named, normal_urdf
-from harness.robot.robot import load_robot
 from harness.robot.shapes import read_shapes
 from harness.robot.urdf import read_chain
 from tests.refusals import refused

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.registry import load_registry
+from harness import load_registry, load_robot
 from harness.robot.packages import find_installed, is_installed, locate
-from harness.robot.robot import load_robot, read_robot
+from harness.robot.robot import read_robot
 from tests.refusals import refused
 from tests.robot.brought_arms import ARM, changed
 

@@ -13,7 +13,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.registry import load_registry
+from harness import load_registry
 from harness.robot import build_solids, link_frames
 from harness.robot.robot import read_robot
 from harness_plugins.bullet_arms import Clients, FreeArm, file_of_arm

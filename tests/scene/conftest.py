@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from harness import load_robot
 from harness.record.scene import scene_from_json
-from harness.robot.robot import load_robot, read_robot
+from harness.robot.robot import read_robot
 from harness.scene.scene import scene_of, surface
 from tests.robot.test_meshes import binary_stl
 

@@ -4,7 +4,8 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from harness.record.scene import Scene
-from harness.scene.picture import BACKGROUND, Camera, camera_for, corners_of, draw_arm, draw_still
+from harness.scene.picture import BACKGROUND, camera_for, corners_of, draw_arm, draw_still
+from harness.simulator import Camera
 
 HOMELESS = np.empty((0, 3))
 

@@ -6,8 +6,8 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
+from harness import load_robot
 from harness.robot.kinematics import child_frames, end_effector_position
-from harness.robot.robot import load_robot
 from harness.scene.picture import chain_of, corners_of
 from harness.scene.scene import FEWEST, GREY, TRIANGLES, scene_of
 from tests.scene.conftest import meshed

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.scene.picture import StillFrames
+from harness.simulator import StillFrames
 
 
 def test_a_frame_has_its_size_and_shows_the_target(robot):

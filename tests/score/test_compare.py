@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 import harness.score.compare
+from harness import load_registry
 from harness.hookspecs import PROJECT
 from harness.record.cell_log import cell_log
-from harness.registry import Choice, load_registry
+from harness.registry import Choice
 from harness.score.compare import compare_logs
 from harness.score.open_steps import match_steps
 from tests.oracles.answers import first_negative_and_crossover, indices

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from harness import load_registry
 from harness.errors import Unscored
-from harness.record import trace_of
-from harness.registry import Choice, choose, load_registry
+from harness.log import trace_of
+from harness.registry import Choice, choose
 from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import pay_log
 

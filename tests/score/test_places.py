@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.registry import choose, load_registry
+from harness import load_registry
+from harness.registry import choose
 from harness.reward import Sample
 from harness.score.places import ArmPay, parse_place, parse_places
 from tests.refusals import refused

@@ -2,10 +2,10 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from harness import load_robot
+from harness import load_registry, load_robot
 from harness.env.vector_env import ReachVectorEnv
 from harness.record import TraceWriter
-from harness.registry import choose, load_registry, read_given
+from harness.registry import choose, read_given
 from harness.score.open_steps import open_steps
 from harness.score.rescore import rescore
 from harness.task import ReachTask

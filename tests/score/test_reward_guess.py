@@ -5,9 +5,10 @@ from importlib.metadata import entry_points
 import numpy as np
 import pytest
 
+from harness import load_registry
 from harness.errors import UsageError
 from harness.hookspecs import PROJECT
-from harness.registry import Choice, load_registry
+from harness.registry import Choice
 from harness.score.compare import compare_logs, guess_reward
 from harness.score.open_steps import open_steps
 from tests.score.conftest import HEADER, arp, write_run

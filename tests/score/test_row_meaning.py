@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from harness import load_registry
 from harness.errors import UsageError
-from harness.registry import load_registry
 from harness.score.open_steps import open_steps
 from tests.refusals import refused
 

@@ -13,11 +13,12 @@ from hypothesis import given, strategies as st
 
 import harness
 import harness.score.scorer as module
+from harness import load_registry
 from harness.env.vector_env import ReachVectorEnv
 from harness.record import TraceWriter, read_trace
 from harness.record.cell_log import cell_log
 from harness.record.trace import FORMAT, FORMAT_KEY
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness.reward import Sample
 from harness.reward.row_steps import DISTANCES, part_of
 from harness.reward.terms import ROWS

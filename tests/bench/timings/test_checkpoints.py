@@ -11,12 +11,12 @@ import pytest
 from numpy.random import default_rng
 
 import harness
+from harness import load_registry
 from harness.algorithm import Progress, Ring, TrainingState
 from harness.env.vector_env import build_world
 from harness.experiment.checkpoints.checkpoint import Checkpoint, read_checkpoint, store
 from harness.experiment.plan import Experiment, expand
 from harness.experiment.run_cell import SECONDS
-from harness.registry import load_registry
 from tests.bench.timings.conftest import cpu_seconds
 
 pytestmark = pytest.mark.bench

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from harness.registry import load_registry
+from harness import load_registry
 
 pytestmark = pytest.mark.bench
 SUBSTEPS, PERIOD = 20, 0.1

@@ -8,9 +8,9 @@ import pytest
 from numpy.random import default_rng
 
 import harness
+from harness import load_registry
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.registry import load_registry
 
 pytestmark = pytest.mark.bench
 STEPS = 20_000

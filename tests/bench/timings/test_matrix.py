@@ -5,11 +5,10 @@ import time
 
 import pytest
 
-from harness.executor import CellOptions, Job
-from harness.experiment.jobs import run_jobs
+from harness import load_registry
+from harness.executor import CellOptions, Job, run_jobs
 from harness.experiment.plan import check_experiment, expand
 from harness.record import read_manifest
-from harness.registry import load_registry
 from tests.bench.timings.conftest import cpu_seconds
 
 pytestmark = pytest.mark.bench

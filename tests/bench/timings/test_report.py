@@ -6,9 +6,8 @@ import sys
 
 import pytest
 
-from harness.experiment.experiment import run
+from harness import load_registry, run
 from harness.record import DERIVED
-from harness.registry import load_registry
 from tests.bench.timings.processes import measure
 from tests.copied_cells import copy_experiment, keep_as_a_run_does, many_rewards
 

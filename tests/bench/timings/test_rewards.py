@@ -5,8 +5,9 @@ import pytest
 from numpy.random import default_rng
 
 import harness
+from harness import load_registry
 from harness.env.vector_env import ReachVectorEnv
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness.reward.forms import reward_class
 from harness.task import ReachTask
 

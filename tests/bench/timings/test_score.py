@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from harness.record import trace_of
-from harness.registry import choose, load_registry
+from harness import load_registry
+from harness.log import trace_of
+from harness.registry import choose
 from harness.reward.row_steps import DISTANCES, part_of
 from harness.score.scorer import BLOCK, Scorer, pay_log
 

@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from harness import load_registry
 from harness.algorithm import Progress, as_state, pack_generator, restore_generator
 from harness.policy import SquashedGaussian
-from harness.registry.registry import load_registry
 
 from . import mutant
 

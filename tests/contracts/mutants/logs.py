@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from harness.files.bounded import read_bytes, reading
+from harness.files import read_bytes, reading
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import ROWS
 

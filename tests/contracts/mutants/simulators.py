@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 import harness
-from harness.registry.registry import load_registry
-from harness.robot.ground_clearance import build_solids
-from harness.robot.kinematics import link_frames
+from harness import load_registry
+from harness.robot import build_solids, link_frames
 from harness.simulator import State
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.simulators.simulations import PERIOD

@@ -6,10 +6,9 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 import harness
-from harness.goal import Goal
+from harness import load_registry
 from harness.motion.motion import Move, MoveJ
-from harness.registry.registry import load_registry
-from harness.task import ReachTask, Targets
+from harness.task import Goal, ReachTask, Targets
 
 from . import mutant
 

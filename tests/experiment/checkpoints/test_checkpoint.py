@@ -8,7 +8,7 @@ import safetensors.numpy
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
-from harness.authoring.generator_state import pack_generator, restore_generator
+from harness.algorithm import pack_generator, restore_generator
 from harness.errors import SchemaError
 from harness.executor import CellOptions
 from harness.experiment import provenance, run_cell as cell_progress

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from harness import load_registry
 from harness.cli import main
-from harness.registry import load_registry, read_given
+from harness.registry import read_given
 
 FOLDER = Path(__file__).parent
 

@@ -9,13 +9,13 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness import load_results
+from harness import load_registry, load_results
 from harness.env.vector_env import ReachVectorEnv
 from harness.experiment.environments.paid_again import PayAgain
 from harness.experiment.environments.plan import columns_of
 from harness.experiment.plan import check_experiment, expand
 from harness.record import TraceWriter, read_recording, read_trace
-from harness.registry import Choice, build_defaults, choose, load_registry, read_given
+from harness.registry import Choice, build_defaults, choose, read_given
 from harness.score.scorer import pay_log
 from harness_plugins.audit.search.place import Place, world_at
 from harness_plugins.audit.transitions.environment import audit_environment

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from harness import load_registry
 from harness.cli.progress import foreseen_lines
 from harness.errors import PluginError
 from harness.experiment.experiment import check
@@ -12,7 +13,7 @@ from harness.experiment.foresee import foresee
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_options import RunOptions
 from harness.record import Store
-from harness.registry import Choice, load_registry, read_given
+from harness.registry import Choice, read_given
 from tests.stores import create_store
 
 FITTED = """

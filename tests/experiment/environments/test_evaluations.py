@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.experiment.experiment import run
+from harness import load_registry, run
 from harness.experiment.plan import expand, read_experiment
 from harness.record import EXPERIMENT, RANDOM, read_recording
 from harness.record.folder import evaluation_files, recording_of
-from harness.registry import load_registry, read_given
+from harness.registry import read_given
 from harness.results.ranking import ranking_of
 from tests.refusals import refused
 

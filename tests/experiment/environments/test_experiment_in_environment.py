@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 from numpy.testing import assert_array_equal
 
-from harness import load_results
+from harness import load_registry, load_results
 from harness.algorithm import RETURN
 from harness.executor import CellOptions
 from harness.experiment.experiment import check, prepare
@@ -37,7 +37,7 @@ from harness.record.merge import merge
 from harness.record.progress import SUCCESS
 from harness.record.recording.recording_writer import write_recording
 from harness.record.status import read_status
-from harness.registry import load_registry, read_given
+from harness.registry import read_given
 from harness_plugins.exporters.csv_runs import write_runs
 from tests.plugins.committed.kept import RECORDS
 from tests.refusals import refused

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from harness import load_results
+from harness import load_results, run
 from harness.experiment.environments.frames import draw_frames
-from harness.experiment.experiment import run
 from harness.experiment.verify import verify
 from harness.files.bounded import write_keyed
 from harness.report import Report, write_html

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import harness
-from harness import load_results
+from harness import load_registry, load_results
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.verify import verify
 from harness.record import Store, read_recording
-from harness.registry import load_registry, read_given
+from harness.registry import read_given
 from tests.refusals import refused
 
 PENDULUM = "gymnasium:id=Pendulum-v1"

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import harness
-from harness import load_results
+from harness import load_registry, load_results
 from harness.experiment.trials.tried_plan import try_plan
 from harness.record import read_recording
-from harness.registry import load_registry, read_given
+from harness.registry import read_given
 from harness.reward.terms import sum_of
 from harness.score.weighted_recordings import weighed
 from tests.experiment.environments.test_reward_files import PENDULUM, plan_of

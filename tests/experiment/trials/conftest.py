@@ -2,8 +2,9 @@
 
 import pytest
 
+from harness import load_registry
 from harness.experiment.plan import check_experiment, expand
-from harness.registry import load_registry, read_given
+from harness.registry import read_given
 
 HEAD = "observation, action, next_observation, info"
 ENVS = """

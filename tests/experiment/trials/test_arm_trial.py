@@ -2,10 +2,11 @@
 
 import pytest
 
+from harness import load_registry
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.trials.arm_trial import try_arm
 from harness.experiment.trials.tried import Fault, Tried
-from harness.registry import load_registry, read_given
+from harness.registry import read_given
 from tests.experiment.trials.conftest import ARM
 
 

@@ -2,9 +2,10 @@
 
 import pytest
 
+from harness import load_registry
 from harness.experiment.trials.environment_trial import MOST_STEPS, try_environment
 from harness.experiment.trials.tried import Fault, Tried
-from harness.registry import choose, load_registry
+from harness.registry import choose
 
 
 @pytest.fixture

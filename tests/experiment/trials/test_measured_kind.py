@@ -2,10 +2,10 @@
 
 import pytest
 
+from harness import load_registry
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.trials.measured_kind import MOST, Measured, Watched, _Enough, measure_kinds
 from harness.record.pace import kind_of
-from harness.registry import load_registry
 
 
 def watch(seconds_of, first=0, every=1, steps=10**6, told_every=100):

@@ -8,6 +8,7 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
+from harness import load_registry
 from harness.algorithm import learns, why_not
 from harness.env.arm_observation import ArmObservation, kinematics_policy
 from harness.errors import SchemaError
@@ -16,7 +17,7 @@ from harness.experiment.plan import check_experiment, expand
 from harness.policy import Uniform, load_policy
 from harness.policy.inverse_kinematics import InverseKinematics
 from harness.record.folder import CARD
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness.task import ReachTask
 from harness_plugins.algorithms.ik import Ik
 from harness_plugins.kit.trainings import observations, train

@@ -3,8 +3,9 @@
 import pytest
 
 import harness
+from harness import load_registry
 from harness.env.vector_env import World
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness.registry.choice import build_defaults
 from harness_plugins.kit.algorithms import differences, train_with_checkpoints
 

@@ -2,7 +2,8 @@
 
 import pytest
 
-from harness.registry import build, choose, load_registry
+from harness import load_registry
+from harness.registry import build, choose
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn
 from harness_plugins.algorithms.ppo import Ppo

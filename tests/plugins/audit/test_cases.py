@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import harness
+from harness import load_registry
 from harness.experiment.environments.plan import columns_of
 from harness.payoff.rollout import payoff_of, score_rollout
 from harness.record import read_recording
-from harness.registry import choose, load_registry, read_given
+from harness.registry import choose, read_given
 from tests.plugins.audit.cases.policies import POLICIES
 from tests.plugins.audit.cases.run import SEEDS, answer_of, search
 from tests.plugins.audit.cases.table import ARM, HACKED, HONEST, SLIPPERY

@@ -6,9 +6,10 @@ from types import SimpleNamespace
 import pytest
 
 import harness
+from harness import load_registry
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.screening import CANNOT_TELL, FAILING, NOTHING
-from harness.registry import load_registry, read_given
+from harness.registry import read_given
 from harness_plugins.audit import Cheats
 from harness_plugins.audit.search import find
 

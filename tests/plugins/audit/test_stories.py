@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from harness import load_registry
 from harness.experiment.screening import FAILING, NOTHING
-from harness.registry import choose, load_registry, read_given
+from harness.registry import choose, read_given
 from harness_plugins.audit import find_cheats
 
 ROOT = Path(__file__).parents[3]

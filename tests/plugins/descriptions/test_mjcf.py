@@ -11,7 +11,7 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 
 from harness.errors import UsageError
-from harness.files.apart import run_apart
+from harness.files import run_apart
 from harness.robot import link_frames
 from harness.robot.robot import read_robot
 from harness_plugins.descriptions.mjcf import SPEEDS, Mjcf, _rotation, _rpy, _turn

@@ -5,7 +5,7 @@ import textwrap
 
 import pytest
 
-from harness.registry import load_registry
+from harness import load_registry
 from harness_plugins.doctor import trials
 from harness_plugins.doctor.trials import Example, Trial, examples, half_installed, take_a_step, try_all
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Box, Dict
 
+from harness import load_registry
 from harness.environment import goal_rewards
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness_plugins.kit import check_contract
 from tests.refusals import refused
 

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from harness.authoring.folder_parts import Part, add_parts
-from harness.executor import CellOptions, Event, Job, Word
+from harness import load_registry
+from harness.executor import CellOptions, Event, Job, Part, Word, add_parts
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, RANDOM
 from harness.record.cell import digests_in
 from harness.record.folder import TRAINING_RECORDING, recording_of
-from harness.registry import choose, load_registry, read_given
+from harness.registry import choose, read_given
 from harness_plugins.ray_cluster.node import Ended, Slot
 
 TOY = Path(__file__).parents[2] / "experiment" / "environments" / "toy.py"

@@ -7,8 +7,8 @@ import time
 import psutil
 import pytest
 
-from harness.executor import CellOptions, Event, Job, Limits, run_job
-from harness.record import LOG, Cell, partial_folder, read_manifest
+from harness.executor import Cell, CellOptions, Event, Job, Limits, run_job
+from harness.record import LOG, partial_folder, read_manifest
 from harness.record.cell import whole_cell
 from harness.registry import choose
 

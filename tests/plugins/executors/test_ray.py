@@ -13,11 +13,10 @@ import psutil
 import pytest
 
 import harness
-from harness.executor import CellOptions, Job
-from harness.experiment.jobs import run_jobs
+from harness import load_registry
+from harness.executor import CellOptions, Job, run_jobs
 from harness.experiment.plan import Experiment, expand
 from harness.record import LOG, MANIFEST, Store
-from harness.registry import load_registry
 from harness_plugins.executors.ray import Ray
 from tests.refusals import refused
 

@@ -13,8 +13,8 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.type_aliases import ReplayBufferSamples
 from torch.distributions import normal
 
+from harness import Float32
 from harness_plugins.algorithms.sac_fast import SacFast
-from harness_plugins.fast_sac.network import Float32
 from harness_plugins.fast_sac.training import Learner, Replay
 
 OBSERVATION, ACTION, ROWS = 5, 3, 32

@@ -1,7 +1,7 @@
 """Files are written, and read by a format that recognises them."""
 
+from harness import load_registry
 from harness.log.open_log import formats_of
-from harness.registry import load_registry
 
 FORMATS = formats_of(load_registry())
 

@@ -5,9 +5,9 @@ import os
 import numpy as np
 import pytest
 
+from harness import load_registry
 from harness.errors import HarnessError
-from harness.log.open_log import open_logs
-from harness.registry import load_registry
+from harness.log import open_logs
 from tests.plugins.logs.reading import FORMATS
 
 STRIDE = 7

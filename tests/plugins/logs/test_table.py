@@ -2,9 +2,10 @@
 
 import pytest
 
+from harness import load_registry
 from harness.errors import AskedError, SchemaError, UsageError
-from harness.log.open_log import find_logs, open_logs
-from harness.registry import load_registry
+from harness.log import open_logs
+from harness.log.open_log import find_logs
 from tests.plugins.logs.reading import Reader
 
 read = Reader("table", "own.csv")

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness import load_registry
 from harness.errors import SchemaError
-from harness.log.open_log import find_logs, open_logs
-from harness.registry import load_registry
+from harness.log import open_logs
+from harness.log.open_log import find_logs
 
 WRITTEN = Path(__file__).parent / "written"
 RISING = [-10.0, -9.0, -8.0, -7.0, -6.0]

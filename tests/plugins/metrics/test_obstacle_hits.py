@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.record import trace_of
+from harness.log import trace_of
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.episodes import ObstacleHits
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from harness.errors import Unmeasured
-from harness.record import EpisodeFacts, trace_of
+from harness.log import trace_of
+from harness.record import EpisodeFacts
 from harness.record.trace import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.episodes import PathRatio

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from harness.record import trace_of
+from harness.log import trace_of
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.episodes import Smoothness
 

@@ -6,7 +6,8 @@ from hypothesis import given, strategies as st
 from numpy.linalg import norm
 from numpy.random import default_rng
 
-from harness.record import EpisodeFacts, trace_of
+from harness.log import trace_of
+from harness.record import EpisodeFacts
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.episodes import Sparc, spectral_arcs
 

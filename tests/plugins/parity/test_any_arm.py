@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from harness.registry import load_registry
+from harness import load_registry
 from harness.robot import build_solids, link_frames
 from harness.robot.robot import read_robot
 from harness_plugins.parity import Setting, choose_contenders, compare_simulators

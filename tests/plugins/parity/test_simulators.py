@@ -4,7 +4,7 @@ from itertools import combinations
 
 import pytest
 
-from harness.registry import load_registry
+from harness import load_registry
 from harness_plugins.parity import Setting, choose_contenders, compare_simulators
 
 SIMULATORS = ("mujoco", "dm_control", "pybullet", "drake", "physx", "kinematic")

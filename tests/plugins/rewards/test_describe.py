@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from harness import load_registry
 from harness.describe import describe_name
-from harness.registry import load_registry
 
 REGISTRY = load_registry()
 BUILT_IN = [name for name in REGISTRY.names("rewards") if REGISTRY.get("rewards", name).plugin == "rewards"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from harness.registry import load_registry
+from harness import load_registry
 from harness.reward import pay
 from harness.reward.forms import reward_class
 from harness.reward.steps import map_steps

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_array_equal
 
-from harness.registry import choose, load_registry
+from harness import load_registry
+from harness.registry import choose
 from harness_plugins.kit import check_contract
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.shifted import Shifted

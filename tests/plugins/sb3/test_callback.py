@@ -13,8 +13,7 @@ from harness.env.vector_env import ReachVectorEnv
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
-from harness_plugins.sb3.callback import ProgressCallback
-from harness_plugins.sb3.vec_env import VecEnvAdapter
+from harness_plugins.sb3 import ProgressCallback, VecEnvAdapter
 
 ROBOT = harness.load_robot("fd100")
 

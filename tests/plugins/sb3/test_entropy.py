@@ -12,8 +12,8 @@ from harness.env.vector_env import ReachVectorEnv
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
+from harness_plugins.sb3 import VecEnvAdapter
 from harness_plugins.sb3.callback import actor_entropy
-from harness_plugins.sb3.vec_env import VecEnvAdapter
 
 
 @pytest.fixture(scope="module")

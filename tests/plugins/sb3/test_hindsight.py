@@ -11,13 +11,13 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 from stable_baselines3 import SAC, HerReplayBuffer
 
+from harness import RecordRewards
 from harness.algorithm import Progress
 from harness.experiment.environments.world import EnvironmentBatch
-from harness.recorder.record_rewards import RecordRewards
 from harness_plugins.algorithms.her import Her
 from harness_plugins.kit.trainings import WatchedEnv
+from harness_plugins.sb3 import policy_from
 from harness_plugins.sb3.hindsight import GoalEnvAdapter, HindsightSAC
-from harness_plugins.sb3.policies import policy_from
 
 
 class _Line(gymnasium.Env[Any, Any]):

@@ -11,8 +11,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
+from harness import load_registry
 from harness.motion.motion import MoveJ
-from harness.registry import load_registry
 from harness.robot import parse_urdf
 from harness.robot.shapes import attach_shapes, read_shapes
 from harness.simulator import State

@@ -13,8 +13,8 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
+from harness import load_registry
 from harness.record import TraceWriter, read_trace
-from harness.registry import load_registry
 
 REGISTRY = load_registry()
 SIMULATORS = REGISTRY.names("simulators")

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness.registry import load_registry
+from harness import load_registry
 from tests.plugins.simulators.conftest import (
     FALLEN,
     MOVING_LINKS,

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 import harness
 from harness.env.arm_observation import kinematics_policy
 from harness.env.vector_env import ReachVectorEnv
-from harness.goal import Situation
+from harness.task import Situation
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.tasks.moving import Moving

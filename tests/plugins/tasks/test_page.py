@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from harness.registry import load_registry
+from harness import load_registry
 
 REGISTRY = load_registry()
 PAGE = (Path(__file__).parents[3] / "docs" / "tasks.md").read_text()

@@ -10,9 +10,9 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
-from harness.goal import Situation
 from harness.robot import forward
 from harness.robot.kinematics import rotation_between
+from harness.task import Situation
 from harness_plugins.tasks.pose import Pose
 
 ROBOT = harness.load_robot("fd100")

@@ -2,7 +2,8 @@
 
 import pytest
 
-from harness.registry import choose, load_registry
+from harness import load_registry
+from harness.registry import choose
 from harness_plugins.tasks.worse import ClutteredReach, DelayedReach, NoisyReach, VariedReach
 
 REGISTRY = load_registry()

@@ -8,7 +8,7 @@ import pytest
 
 import harness
 from harness.env.arm_observation import why_not_kinematics
-from harness.goal import Situation
+from harness.task import Situation
 from harness_plugins.kit import check_contract
 
 PAGE = (Path(__file__).parents[3] / "docs" / "writing" / "task.md").read_text()

@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness import load_results, load_robot
+from harness import load_registry, load_results, load_robot
 from harness.errors import NewerFormat
+from harness.executor import Cell
 from harness.experiment.plan import check_experiment, expand
-from harness.record import EVALUATION, MANIFEST, POLICY, Cell, partial_folder, read_manifest, read_trace
+from harness.record import EVALUATION, MANIFEST, POLICY, partial_folder, read_manifest, read_trace
 from harness.record.cell import BROUGHT
 from harness.record.folder import WEIGHTS
-from harness.registry import Choice, choose, load_registry
+from harness.registry import Choice, choose
 from harness_plugins.transfer import (
     TRANSFER,
     load_transfers,

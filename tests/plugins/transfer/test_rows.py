@@ -5,7 +5,7 @@ import pytest
 
 from harness.eta import Estimate, mean_over_seeds
 from harness.registry import Choice
-from harness.results.comparison import Group
+from harness.results import Group
 from harness_plugins.transfer.matrix import TransferMatrix, Transfers
 from harness_plugins.transfer.shown import transfer_facts, transfer_grid
 

@@ -5,11 +5,11 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness import load_robot
-from harness.env.ideal import IdealSimulator
+from harness import load_registry, load_robot
 from harness.env.vector_env import ReachVectorEnv
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness_plugins.environments.unity import Unity
+from harness_plugins.kit import IdealSimulator
 from tests.refusals import refused
 
 SEED = 7

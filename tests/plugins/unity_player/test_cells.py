@@ -121,8 +121,8 @@ def test_killed_runs_and_players_lose_nothing(player, tmp_path):
 
 def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path):
     """What a recording holds is all that the rewards of an arm are functions of, in a task of a step per decision."""
-    from harness import RecordRewards
-    from harness.registry import choose, load_registry
+    from harness import RecordRewards, load_registry
+    from harness.registry import choose
     from harness.score.csv_steps import StepsCsv
     from harness.score.scorer import pay_log
     from harness_plugins.environments.unity import Unity

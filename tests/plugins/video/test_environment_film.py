@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness import load_results
+from harness import load_registry, load_results
 from harness.cli import main
 from harness.executor import CellOptions
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.registry import load_registry, read_given
+from harness.registry import read_given
 from harness_plugins.video.environment_film import box_of, environment_film
 from harness_plugins.video.film import HEIGHT, HELD, WIDTH
 from tests.refusals import refused

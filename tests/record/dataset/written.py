@@ -8,8 +8,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from harness import load_registry
 from harness.record.dataset.open_dataset import open_dataset
-from harness.registry import load_registry
 
 # An episode: ``observations`` (steps + 1, n), ``actions``, ``rewards``, ``infos``; ``attrs`` of the episode.
 

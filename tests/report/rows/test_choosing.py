@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.registry import load_registry
+from harness import load_registry
 from harness.report import FactsTable, Report, choosing_facts, question
 from harness_plugins.committed import committed_table, write_summary
 from tests.report import conftest

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from rich.console import Group
 
-from harness.report import Grid
 from harness.report.tables.grid import show_grid
+from harness.results import Grid
 from tests.report import conftest
 
 GRID = Grid(

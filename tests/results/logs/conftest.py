@@ -3,8 +3,8 @@ import re
 
 import pytest
 
+from harness import load_registry
 from harness.log.open_log import find_logs
-from harness.registry import load_registry
 from harness.results.logs.trainings import sort_logs
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from harness import load_registry
 from harness.log import LogFacts, in_memory
 from harness.log.open_log import find_logs
-from harness.registry import load_registry
 from harness.results.logs.names import in_lockstep
 
 

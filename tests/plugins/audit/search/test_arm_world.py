@@ -11,10 +11,11 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
 import harness
+from harness import load_registry
 from harness.env.vector_env import ReachVectorEnv, World as Arm
 from harness.errors import SimulationDiverged
 from harness.log.log import episode_sum
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness.task import ReachTask
 from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.place import places_on_task, world_at

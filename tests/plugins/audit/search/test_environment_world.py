@@ -6,9 +6,9 @@ import pytest
 from gymnasium.spaces import Box, Dict, Discrete, Sequence, Text
 from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
-from harness import RecordRewards
+from harness import RecordRewards, load_registry
 from harness.recorder.env_facts import Columns
-from harness.registry import choose, load_registry
+from harness.registry import choose
 from harness_plugins.audit import find_cheats
 from harness_plugins.audit.search.environment_world import of_env
 from harness_plugins.audit.search.place import places_in_environment, world_at

@@ -7,9 +7,10 @@ from functools import cache
 
 import pytest
 
+from harness import load_registry
 from harness.errors import HarnessError
 from harness.files.bounded import seal
-from harness.registry import choose, load_registry, read_given
+from harness.registry import choose, read_given
 from harness_plugins.audit import replay_file
 from harness_plugins.audit.search import find
 from harness_plugins.audit.search.out import certificates_of

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness import load_registry
 from harness.errors import SchemaError
 from harness.files.bounded import seal, unseal
-from harness.registry import choose, load_registry, read_given
+from harness.registry import choose, read_given
 from harness_plugins.audit import page_in, read_certificate, replay_file, write_certificate, write_found
 from harness_plugins.audit.search.behaviour import Behaviour, Searched
 from harness_plugins.audit.search.finding import Finding
