@@ -3,15 +3,13 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import Any, TypeAlias
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from harness import Float
 from harness.errors import UsageError
@@ -23,21 +21,8 @@ COLOR = re.compile(r"(\s*(\d+\.?\d*|\.\d+)(?=\s|$)){4}\s*")
 """Matches four numbers with spaces between them."""
 
 
-@dataclass(frozen=True, eq=False)
-class Surface:
-    """A surface that is drawn and touches nothing.
-
-    Attributes:
-        vertices: In the mesh's frame, scaled, shape (count, 3), [m].
-        faces: Numbers of each triangle's corners, shape (triangles, 3).
-        pose: T_link_mesh, shape (4, 4).
-        color: Red, green, blue and opacity, 0 to 1.
-    """
-
-    vertices: Float
-    faces: NDArray[np.int32]
-    pose: Float
-    color: list[float]
+Surface: TypeAlias = tuple[Any, Float, list[float]]
+"""What is drawn and touches nothing: a mesh, [m], T_link_mesh, (4, 4), and red, green, blue and opacity, 0 to 1."""
 
 
 def without_meshes(urdf: Element) -> str:
@@ -82,7 +67,7 @@ def _surfaces(link: Element, colors: dict[str, list[float]]) -> Iterator[Surface
         if visual.find("geometry/mesh") is not None:
             (mesh, pose), material = read_surface(visual, owner), visual.find("material")
             name = "" if material is None else material.get("name", "")
-            yield Surface(mesh.vertices, mesh.faces, pose, colors.get(name, GREY))
+            yield mesh, pose, colors.get(name, GREY)
 
 
 def _colors(robot: Element) -> Iterator[tuple[str, list[float]]]:
@@ -95,12 +80,12 @@ def _colors(robot: Element) -> Iterator[tuple[str, list[float]]]:
 
 
 def _add_surface(spec: mujoco.MjSpec, body: Any, link: str, surface: Surface) -> None:
-    name = f"visual of link {link}"
-    mesh = _new_mesh(spec, name, uservert=surface.vertices.ravel(), userface=surface.faces.ravel())
-    spec.mesh(mesh).inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL  # the surface may be open
-    geom = _add_geom(body, mesh, surface.pose)
+    mesh, pose, color = surface
+    name = _new_mesh(spec, f"visual of link {link}", uservert=mesh.vertices.ravel(), userface=mesh.faces.ravel())
+    spec.mesh(name).inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL  # the surface may be open
+    geom = _add_geom(body, name, pose)
     geom.contype = geom.conaffinity = 0
-    geom.group, geom.rgba = 1, surface.color
+    geom.group, geom.rgba = 1, color
 
 
 def _new_mesh(spec: mujoco.MjSpec, what: str, **settings: Any) -> str:
