@@ -68,7 +68,8 @@ SAMPLED = "TensorBoard exports a sample of at most 1,000 points, unless it was t
 JOINED = "a value is a mean of several points, or of the runs of a group: its least and greatest differ"
 GAPS = "its numbers of episodes have gaps: not every episode stands in it"
 FEW = 5
-"""Rows from which on that is told of a table with numbers of episodes."""
+"""Rows from which on a column of a table tells in which order they are."""
+CLOCK = re.compile("time|date|clock", re.IGNORECASE)
 RISES = 0.8
 """The share of rows from which on a column that rises from row to row counts the steps of a training, or of each."""
 OF_D3RLPY = re.compile(r"\d+,\d+,[-\d.e+naif]+\n")
@@ -199,6 +200,10 @@ class Table(Roles):
                 notes=(*([f"not used: {left}"] if left else []), *table.notes),
             )
             if chosen.unit == "episode":
+                clock = "" if chosen.times or chosen.episode else _falling_clock(part, used)
+                if clock:
+                    told = f"'{clock}' falls from row to row: the last row is the first episode"
+                    part, facts = part.part(range(len(part))[::-1]), replace(facts, notes=(told, *facts.notes))
                 yield _episodes(part, facts, chosen)
                 continue
             step = CALLS[1] if thinned else chosen.counter
@@ -348,6 +353,17 @@ def _in_order(
             )
         table = table.part(np.argsort(at))
     return table
+
+
+def _falling_clock(table: TextTable, used: Sequence[str]) -> str:
+    """The column of a clock that falls from row to row, so that the newest stand first; empty without one."""
+    for name in table.names:
+        cells = np.array(table.cells[name])
+        with suppress(ValueError):  # dates are sorted as text
+            cells = cells.astype(float)
+        if len(cells) >= FEW and name not in used and CLOCK.search(name) and (cells[1:] < cells[:-1]).all():
+            return name
+    return ""
 
 
 def _tag(written: str) -> str:

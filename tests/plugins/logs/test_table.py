@@ -49,6 +49,12 @@ CHART = f'"global_step","{TAG}","{TAG}__MIN","{TAG}__MAX"'
         ("episode,reward,seed\n0,-1.0,100\n1,-2.0,101\n", EPISODE, {"reward/recorded": [-1, -2]}),
         # Episodes of several envs are counted in each
         ("env,episode,reward,length\n0,0,-1,5\n1,0,-2,6\n0,1,-3,7\n1,1,-4,8\n", EPISODE, {"time": [5, 11, 18, 26]}),
+        # Where nothing counts, a clock that falls says that the newest episode stands first
+        (
+            "date,return,length\n" + "".join(f"2026-11-30 10:0{5 - k},{5 - k},7\n" for k in range(5)),
+            "'date' falls from row to row",
+            {"reward/recorded": [1, 2, 3, 4, 5]},
+        ),
         # Only every tenth episode was written down: no steps are made up
         ("episode,reward,length\n0,-1.0,50\n10,-2.0,50\n20,-3.0,50\n", "not every episode", {"time": None}),
         # Steps that only rise are those of all episodes, and a column of steps of the training is time
