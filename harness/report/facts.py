@@ -52,6 +52,7 @@ from harness.report.rows.returns import (
     terms_grid,
     terms_of,
 )
+from harness.report.section import Shown, shown_sections
 from harness.results import Results
 from harness.results.comparison import Comparison
 from harness.results.overview import (
@@ -68,7 +69,6 @@ from harness.results.overview import (
 from harness.results.ranking import Ranking, ranking_of
 from harness.results.results import ReturnMatrix
 from harness.results.score_matrix import ScoreMatrix
-from harness.results.section import Shown, shown_sections
 from harness.results.trainings import Alone
 from harness.text import shortened
 

@@ -7,6 +7,6 @@ from harness.results.comparison import Comparison as Comparison, Group as Group
 from harness.results.results import Results as Results
 
 if TYPE_CHECKING:
-    from harness.results.section import Fact as Fact, Grid as Grid, Section as Section, Shown as Shown
+    from harness.report.section import Fact as Fact, Grid as Grid, Section as Section, Shown as Shown
 else:
     __all__, __getattr__ = face_of(__name__, __file__)

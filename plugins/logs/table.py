@@ -202,8 +202,8 @@ class Table(Roles):
             if chosen.unit == "episode":
                 clock = "" if chosen.times or chosen.episode else _falling_clock(part, used)
                 if clock:
-                    told = f"'{clock}' falls from row to row: the last row is the first episode"
-                    part, facts = part.part(range(len(part))[::-1]), replace(facts, notes=(told, *facts.notes))
+                    order = f"'{clock}' falls from row to row: the last row is the first episode"
+                    part, facts = part.part(range(len(part))[::-1]), replace(facts, notes=(order, *facts.notes))
                 yield _episodes(part, facts, chosen)
                 continue
             step = CALLS[1] if thinned else chosen.counter

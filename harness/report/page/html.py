@@ -19,10 +19,10 @@ from harness.report.page.page import render_page, write_page
 from harness.report.replay.section import Replay, links_of, replay_of
 from harness.report.rows import Fact
 from harness.report.rows.returns import Audits
+from harness.report.section import Shown
 from harness.results.comparison import still_to_come
 from harness.results.replay import shows_of
 from harness.results.results import told_manifests
-from harness.results.section import Shown
 
 
 class Download(NamedTuple):

@@ -1,6 +1,6 @@
 """What a report says, as plain data. Terminal, page, summary and records show it, and compute nothing."""
 
-from harness.results.section import Fact as Fact, Grid as Grid
+from harness.report.section import Fact as Fact, Grid as Grid
 
 STYLES = {
     "HELPS": "bold green",
