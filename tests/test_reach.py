@@ -379,11 +379,11 @@ def test_a_task_for_another_arm_keeps_its_numbers():
 
 def test_a_scaled_length_is_the_same_everywhere():
     """Three digits; and the number itself for the FD100, whatever rounding does to its reach."""
-    half = replace(ROBOT, chain=ROBOT.chain)
-    half.__dict__["reach"] = ROBOT.reach * (1.0 + 1e-12)
-    assert half.scaled(0.0123456) == 0.0123456
-    half.__dict__["reach"] = ROBOT.reach / 3.0
-    assert half.scaled(0.05) == 0.0167
+    same, third = replace(ROBOT, chain=ROBOT.chain), replace(ROBOT, chain=ROBOT.chain)
+    same.__dict__["reach"] = ROBOT.reach * (1.0 + 1e-12)
+    assert same.scaled(0.0123456) == 0.0123456
+    third.__dict__["reach"] = ROBOT.reach / 3.0
+    assert third.scaled(0.05) == 0.0167
 
 
 def test_epsilon_that_covers_the_box_does_not_pass_the_check():

@@ -57,7 +57,6 @@ SKIPPED = MappingProxyType(
         "RecordVideo(": "takes moviepy, which writes films; tests/env/test_single_env.py draws",
         "evaluate_policy(lambda it:": "trains; tests/test_your_environment.py runs it with fewer steps",
         "HerReplayBuffer": "trains for minutes; tests/env/test_goal_env.py",
-        "trace = read_trace(folder": "an excerpt: the folder is the reader's",
     }
 )
 """Python that is not executed, by a part of it."""
