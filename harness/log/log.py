@@ -281,7 +281,7 @@ def in_memory(facts: LogFacts, columns: Columns) -> Log:
     """
     _count(facts, columns)
     for name, values in columns.items():
-        if values.dtype.kind == "f" and len(beyond := values[np.abs(values) > LARGEST]):
+        if values.dtype.kind == "f" and len(beyond := values[np.abs(values) > np.float64(LARGEST)]):
             raise SchemaError(f"{facts.path}: a value of {name} is {beyond[0]:g}, which is beyond all returns")
     return Log(facts, tuple(columns), lambda names: [{name: columns[name] for name in names}], dict(columns))
 

@@ -101,6 +101,14 @@ def test_rows_of_uneven_columns_are_refused():
         Log(FACTS, ("a", "b"), lambda names: [uneven]).rows()
 
 
+@pytest.mark.parametrize("kind", [np.float16, np.float32, np.float64])
+def test_infinity_is_refused_in_any_precision(kind):
+    """1e150 itself is beyond what a float32 holds; a comparison with it says nothing more."""
+    assert in_memory(FACTS, {"a": np.ones(2, kind)})["a"].dtype == kind
+    with pytest.raises(SchemaError, match="a value of a is inf, which is beyond all returns"):
+        in_memory(FACTS, {"a": np.array([1.0, np.inf], kind)})
+
+
 def test_log_without_rows_has_its_columns():
     """And no episode."""
     log = in_memory(FACTS, {name: np.zeros((0, 2) if name == "x" else 0, int) for name in ("env", "episode", "x")})

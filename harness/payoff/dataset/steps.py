@@ -68,8 +68,7 @@ def readable(rows: Rows, name: str) -> Mask:
         if values.dtype.kind not in "biuf":
             raise SchemaError(f"{name} holds {values.dtype}, no numbers")
         if values.dtype.kind == "f":
-            finite = np.isfinite(values) if values.dtype.itemsize < 8 else np.abs(values) <= LARGEST
-            fits &= finite.reshape(len(rows), -1).all(axis=1)
+            fits &= (np.abs(values) <= np.float64(LARGEST)).reshape(len(rows), -1).all(axis=1)
     return fits
 
 
