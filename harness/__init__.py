@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from harness.results.load import load_results as load_results
     from harness.robot.robot import load_robot as load_robot
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)
 
 __version__ = "0.4.0"
 

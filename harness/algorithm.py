@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from harness.robot import Robot
     from harness.task import Task
 else:
-    __all__, __getattr__ = face_of(__name__, __file__, "ActionSpace", "Algorithm", "Goals", "TrainingEnv")
+    __all__, __getattr__ = face_of(__name__, "ActionSpace", "Algorithm", "Goals", "TrainingEnv")
 
 ActionSpace: TypeAlias = Literal["continuous", "discrete"]
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from harness.experiment.screening import Screen as Screen, Screened as Screened
 else:
     __all__, __getattr__ = face_of(
-        __name__, __file__,
+        __name__,
         "Event", "Executor", "Job", "OnEvent", "Outcome", "Track", "TrackedCell", "Tracker", "Word",
     )  # fmt: skip
 

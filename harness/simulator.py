@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from harness.authoring.substeps import Substeps as Substeps
     from harness.scene.picture import Camera as Camera, StillFrames as StillFrames
 else:
-    __all__, __getattr__ = face_of(__name__, __file__, "Simulation", "Simulator", "State", "servo_of")
+    __all__, __getattr__ = face_of(__name__, "Simulation", "Simulator", "State", "servo_of")
 
 
 class State(NamedTuple):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from harness.env.episodes import Episodes
     from harness.env.reach_task import ReachTask as ReachTask, place_box as place_box
 else:
-    __all__, __getattr__ = face_of(__name__, __file__, "LONGEST_EPISODE", "Observation", "Targets", "Task")
+    __all__, __getattr__ = face_of(__name__, "LONGEST_EPISODE", "Observation", "Targets", "Task")
 
 LONGEST_EPISODE = 1_000_000_000
 """The most steps of an episode: as many as a training may have."""

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-from harness.face import GONE, LEFT, MOVED
+from harness.face import GONE, INSTEAD, LEFT, MOVED
 
 ROOT = Path(__file__).parent.parent
 HOMES = {"harness": ROOT / "harness", "harness_plugins": ROOT / "plugins", "harness_robots": ROOT / "robots"}
@@ -38,7 +38,7 @@ FILES_OF_READERS = {"behaviour.py"}
 """Files of the reader's own whose name means something to the harness."""
 ENTRY_POINTS = {"harness.pytest_plugin"}
 """Names of entry points, which people type after ``-p`` of pytest, and which are no modules."""
-EARLIER = {*MOVED, *LEFT, *GONE}
+EARLIER = {*MOVED, *INSTEAD, *LEFT, *GONE}
 """Names of earlier releases, which the code answers."""
 FILE_ENDINGS = {"md", "toml", "json", "html"}
 """What makes ``harness.toml`` a file."""

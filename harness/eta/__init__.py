@@ -66,4 +66,4 @@ if TYPE_CHECKING:
     from harness.eta.verdict.question import Question as Question
     from harness.eta.verdict.ruling import Ruling as Ruling, rule as rule
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

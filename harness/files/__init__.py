@@ -18,4 +18,4 @@ if TYPE_CHECKING:
         require_program as require_program,
     )
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

@@ -22,4 +22,4 @@ if TYPE_CHECKING:
     from harness.record.dataset.open_dataset import DatasetFacts as DatasetFacts
     from harness.record.trace import episode_facts as episode_facts, trace_of as trace_of
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

@@ -16,4 +16,4 @@ if TYPE_CHECKING:
         Uniform as Uniform,
     )
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

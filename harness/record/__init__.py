@@ -31,4 +31,4 @@ if TYPE_CHECKING:
         trace_of as trace_of,
     )
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

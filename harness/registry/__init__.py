@@ -29,4 +29,4 @@ if TYPE_CHECKING:
     )
     from harness.registry.toml_file import read_toml as read_toml
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

@@ -40,4 +40,4 @@ if TYPE_CHECKING:
     from harness.report.rows.returns import Payoffs as Payoffs, return_grid as return_grid, terms_grid as terms_grid
     from harness.report.tables.grid import FactsTable as FactsTable
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

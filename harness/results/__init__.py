@@ -9,4 +9,4 @@ from harness.results.results import Results as Results
 if TYPE_CHECKING:
     from harness.report.section import Fact as Fact, Grid as Grid, Section as Section, Shown as Shown
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

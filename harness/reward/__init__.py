@@ -12,4 +12,4 @@ if TYPE_CHECKING:
     from harness.authoring.observed_reward import ObservedReward as ObservedReward
     from harness.authoring.wrapped_reward import WrappedReward as WrappedReward
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

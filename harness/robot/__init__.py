@@ -20,4 +20,4 @@ if TYPE_CHECKING:
     from harness.robot.shapes import Shape as Shape, read_surface as read_surface
     from harness.robot.urdf import BoundedBuilder as BoundedBuilder, parse_urdf as parse_urdf
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

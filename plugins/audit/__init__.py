@@ -16,4 +16,4 @@ if TYPE_CHECKING:
     from .search.page import cheats_page as cheats_page
     from .transitions.audit_rewards import audit_rewards as audit_rewards
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

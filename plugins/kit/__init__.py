@@ -14,14 +14,14 @@ simulator for tests that need no engine.
 
 from typing import TYPE_CHECKING, Any
 
-from harness.face import face_of
+from harness.face import face_of, lookup
 
 if TYPE_CHECKING:
     from harness.env.ideal import IdealSimulator as IdealSimulator
 
     from .kits import CHECKS as CHECKS, check_contract as check_contract
 else:
-    __all__, _look_up = face_of(__name__, __file__)
+    __all__, _look_up = face_of(__name__)
 
     def __getattr__(name: str) -> Any:
         """A name of today, or of an earlier release."""
@@ -29,4 +29,4 @@ else:
             return _look_up(name)
         from .kits import earlier
 
-        return earlier(name) or _look_up(name)
+        return earlier(name) or lookup(__name__, name, 4)

@@ -10,4 +10,4 @@ if TYPE_CHECKING:
     from .page import parity_table as parity_table, write_parity as write_parity
     from .parity import compare_simulators as compare_simulators
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .vec_env import VecEnvAdapter as VecEnvAdapter
     from .watch_callback import WatchCallback as WatchCallback
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)
 
 SOURCES = ("harness_plugins.sb3", "harness_plugins.torch_state")
 """The modules that the algorithms use besides their own. They count in the algorithms' hash."""

@@ -14,4 +14,4 @@ if TYPE_CHECKING:
         simulator_id as simulator_id,
     )
 else:
-    __all__, __getattr__ = face_of(__name__, __file__)
+    __all__, __getattr__ = face_of(__name__)
