@@ -4,10 +4,9 @@ import math
 
 import pytest
 
-from harness import load_registry
 from harness.log.measure import bounds_of, is_error, is_share
-from harness.registry.choice import build_defaults
 from harness_plugins.kit.metrics import recorded_trace
+from tests.plugins.metrics.test_every_metric import METRICS
 
 
 def test_shares_say_that_they_are(subtests):
@@ -22,12 +21,12 @@ def test_shares_say_that_they_are(subtests):
         ("work", False),
     ]:
         with subtests.test(name=name):
-            assert is_share(build_defaults(load_registry(), "metrics")[name]) == share
+            assert is_share(METRICS[name]) == share
 
 
 def test_those_of_the_distance_say_that_they_are_errors():
     """All metrics in whose values the column `distance` stands, and no other."""
-    errors = {name for name, metric in build_defaults(load_registry(), "metrics").items() if is_error(metric)}
+    errors = {name for name, metric in METRICS.items() if is_error(metric)}
     assert errors == {"closest_distance", "final_distance"}
 
 
@@ -41,7 +40,7 @@ def test_a_metric_that_says_nothing_is_none():
 def test_no_metric_leaves_its_bounds(seed):
     """On episodes of random numbers."""
     trace = recorded_trace(seed, ("ground", "reached", "truncated", "touched", "reached", ""))
-    for name, metric in build_defaults(load_registry(), "metrics").items():
+    for name, metric in METRICS.items():
         value, (low, high) = metric(trace), bounds_of(metric)
         assert value is not None, name
         assert low <= value <= high, name
@@ -49,5 +48,5 @@ def test_no_metric_leaves_its_bounds(seed):
 
 def test_shares_have_the_bounds_of_a_share():
     """Whatever else they say; a metric that says nothing has none."""
-    assert bounds_of(build_defaults(load_registry(), "metrics")["spl"]) == (0.0, 1.0)
+    assert bounds_of(METRICS["spl"]) == (0.0, 1.0)
     assert bounds_of(object()) == (-math.inf, math.inf)  # type: ignore[arg-type]

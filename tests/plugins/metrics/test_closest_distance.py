@@ -1,7 +1,5 @@
 """How near to the target an episode comes."""
 
-import pytest
-
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.episodes import ClosestDistance
 
@@ -14,14 +12,3 @@ def test_mean_over_the_smallest_distances():
         trace["distance"][rows[len(rows) // 2]] = closest
     trace["distance"][-1] = 0.0
     assert ClosestDistance()(trace) == 0.75
-
-
-@pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends):
-    """Without an end there is no value."""
-    assert ClosestDistance()(recorded_trace(0, ends)) is None
-
-
-def test_it_is_in_metres_and_better_when_lower():
-    """What the report says beside the value."""
-    assert (ClosestDistance().unit, ClosestDistance().better) == ("m", "lower")

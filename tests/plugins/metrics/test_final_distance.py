@@ -1,7 +1,6 @@
 """How far from the target an episode ends."""
 
 import numpy as np
-import pytest
 
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.episodes import FinalDistance
@@ -21,14 +20,3 @@ def test_other_rows_do_not_count():
     way = np.setdiff1d(np.arange(len(trace)), trace.last_rows)
     trace["distance"][way] = 100.0
     assert FinalDistance()(trace) == before
-
-
-@pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends):
-    """Without an end there is no value."""
-    assert FinalDistance()(recorded_trace(0, ends)) is None
-
-
-def test_it_is_in_metres_and_better_when_lower():
-    """What the report says beside the value."""
-    assert (FinalDistance().unit, FinalDistance().better) == ("m", "lower")

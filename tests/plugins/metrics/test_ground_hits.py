@@ -18,14 +18,3 @@ from harness_plugins.metrics.episodes import GroundHits
 def test_share_of_the_finished_episodes(ends, share):
     """The value is the share of finished episodes that end on the ground."""
     assert GroundHits()(recorded_trace(0, ends)) == share
-
-
-@pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends):
-    """Without an end there is no value."""
-    assert GroundHits()(recorded_trace(0, ends)) is None
-
-
-def test_it_is_better_when_lower():
-    """What the report says beside the value."""
-    assert (GroundHits().unit, GroundHits().better) == ("", "lower")

@@ -45,14 +45,3 @@ def test_none_where_the_kinematics_reach_nothing_or_are_not_told():
     """Nothing to hold the steps against."""
     assert Optimality()(told(*[None] * 5)) is None
     assert Optimality()(with_episode_facts(told(), EpisodeFacts())) is None
-
-
-@pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends):
-    """Without an end there is no value."""
-    assert Optimality()(recorded_trace(0, ends)) is None
-
-
-def test_it_has_no_unit_and_is_better_when_higher():
-    """What the report says beside the value."""
-    assert (Optimality().unit, Optimality().better) == ("", "higher")

@@ -8,7 +8,7 @@ from harness.log import trace_of
 from harness.record import EpisodeFacts
 from harness.record.trace import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
-from harness_plugins.metrics.episodes import PathRatio
+from harness_plugins.metrics.episodes import PathRatio, Spl
 
 
 def walk(*paths, reached=True):
@@ -89,19 +89,14 @@ def test_never_below_one(seed):
     assert PathRatio()(recorded_trace(seed, ("reached", "reached"))) >= 1.0 - 1e-12
 
 
-@pytest.mark.parametrize("ends", [(), ("",), ("truncated", "ground")])
-def test_none_where_no_episode_reaches_it(ends):
+def test_none_where_no_episode_reaches_it():
     """Where the target is never reached there is no value."""
-    assert PathRatio()(recorded_trace(0, ends)) is None
+    assert PathRatio()(recorded_trace(0, ("truncated", "ground"))) is None
 
 
-def test_it_has_no_unit_and_is_better_when_lower():
-    """What the report says beside the value."""
-    assert (PathRatio().unit, PathRatio().better) == ("", "lower")
-
-
-def test_target_that_moves_has_no_straight_line():
+@pytest.mark.parametrize("metric", [PathRatio(), Spl()])
+def test_target_that_moves_has_no_straight_line(metric):
     """It says so."""
     trace = recorded_trace(0, ("reached",))
     with pytest.raises(Unmeasured, match="the target moves"):
-        PathRatio()(with_episode_facts(trace, EpisodeFacts(target_moves=True)))
+        metric(with_episode_facts(trace, EpisodeFacts(target_moves=True)))

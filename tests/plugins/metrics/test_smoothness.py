@@ -5,7 +5,6 @@ import pytest
 from numpy.random import default_rng
 
 from harness.log import trace_of
-from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.episodes import Smoothness
 
 
@@ -74,24 +73,8 @@ def test_scaling_the_motion_scales_it():
     assert Smoothness()(move(2.0 * qpos)) == pytest.approx(2.0 * Smoothness()(move(qpos)))
 
 
-def test_unfinished_episode_does_not_count():
-    """As in every metric."""
-    assert Smoothness()(recorded_trace(0, ("truncated", ""))) == Smoothness()(recorded_trace(0, ("truncated",)))
-
-
 @pytest.mark.parametrize("rows", [1, 2])
 def test_none_without_two_steps(rows):
     """One step has no second difference; beside a longer episode it does not count."""
     assert Smoothness()(move(np.ones((rows, 2)))) is None
     assert Smoothness()(move(np.ones((rows, 1)), STEPS**2 / 2.0)) == pytest.approx(1.0)
-
-
-@pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends):
-    """Without an end there is no value."""
-    assert Smoothness()(recorded_trace(0, ends)) is None
-
-
-def test_it_is_better_when_lower():
-    """What the report says beside the value."""
-    assert (Smoothness().unit, Smoothness().better) == ("rad/step^2", "lower")

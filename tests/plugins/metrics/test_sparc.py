@@ -8,7 +8,6 @@ from numpy.random import default_rng
 
 from harness.log import trace_of
 from harness.record import EpisodeFacts
-from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.episodes import Sparc, spectral_arcs
 
 
@@ -106,14 +105,3 @@ def test_short_period_has_a_value():
 def test_none_without_the_control_period():
     """Frequencies are not known."""
     assert Sparc()(moved(np.ones(9), period=None)) is None
-
-
-def test_unfinished_episode_does_not_count():
-    """As in every metric."""
-    assert Sparc()(recorded_trace(0, ("truncated", ""))) == Sparc()(recorded_trace(0, ("truncated",)))
-    assert Sparc()(recorded_trace(0, ("",))) is None
-
-
-def test_it_is_better_when_higher():
-    """What the report says beside the value."""
-    assert (Sparc().unit, Sparc().better) == ("", "higher")

@@ -3,9 +3,6 @@
 import numpy as np
 import pytest
 
-from harness.errors import Unmeasured
-from harness.record import EpisodeFacts
-from harness.record.trace import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
 from harness_plugins.metrics.episodes import PathRatio, Spl
 
@@ -46,21 +43,3 @@ def test_path_ends_where_the_target_is_reached_first():
     before = Spl()(trace)
     trace["end_effector_x"][3:] += np.arange(len(trace) - 3)
     assert Spl()(trace) == before
-
-
-@pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends):
-    """Without an end there is no value."""
-    assert Spl()(recorded_trace(0, ends)) is None
-
-
-def test_it_has_no_unit_and_is_better_when_higher():
-    """What the report says beside the value."""
-    assert (Spl().unit, Spl().better) == ("", "higher")
-
-
-def test_target_that_moves_has_no_straight_line():
-    """It says so."""
-    trace = recorded_trace(0, ("reached",))
-    with pytest.raises(Unmeasured, match="the target moves"):
-        Spl()(with_episode_facts(trace, EpisodeFacts(target_moves=True)))

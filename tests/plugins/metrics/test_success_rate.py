@@ -33,14 +33,3 @@ def test_episode_counts_once():
     trace = recorded_trace(0, ("touched", "truncated"))
     trace["reached"][:4] = True
     assert SuccessRate()(trace) == 0.5
-
-
-@pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends):
-    """Without an end there is no value."""
-    assert SuccessRate()(recorded_trace(0, ends)) is None
-
-
-def test_it_is_better_when_higher():
-    """What the report says beside the value."""
-    assert (SuccessRate().unit, SuccessRate().better) == ("", "higher")

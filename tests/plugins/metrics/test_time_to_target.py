@@ -37,14 +37,3 @@ def test_horizon_is_needed_for_failures_alone():
 def test_none_without_the_control_period():
     """Steps are no seconds."""
     assert TimeToTarget()(told(recorded_trace(0, ("reached",)), period=None)) is None
-
-
-@pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends):
-    """Without an end there is no value."""
-    assert TimeToTarget()(told(recorded_trace(0, ends))) is None
-
-
-def test_it_is_in_seconds_and_better_when_lower():
-    """What the report says beside the value."""
-    assert (TimeToTarget().unit, TimeToTarget().better) == ("s", "lower")

@@ -25,14 +25,3 @@ def test_outcomes_make_one(seed):
     """Reached, on the ground before, and out of time are all that there is, in tasks that go on too."""
     trace = recorded_trace(seed, ("reached", "truncated", "ground", "touched", "ground", "truncated", "truncated"))
     assert sum([metric(trace) for metric in (SuccessRate(), GroundHits(), Timeouts())]) == pytest.approx(1.0)
-
-
-@pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends):
-    """Without an end there is no value."""
-    assert Timeouts()(recorded_trace(0, ends)) is None
-
-
-def test_it_is_better_when_lower():
-    """What the report says beside the value."""
-    assert (Timeouts().unit, Timeouts().better) == ("", "lower")

@@ -1,7 +1,5 @@
 """Mechanical work of an episode."""
 
-import pytest
-
 from harness.record import EpisodeFacts
 from harness.record.trace import with_episode_facts
 from harness_plugins.kit.metrics import recorded_trace
@@ -18,14 +16,3 @@ def test_mean_over_the_finished_episodes():
 def test_none_where_it_is_not_told():
     """Of an arm that jumps, or in a training."""
     assert Work()(with_episode_facts(recorded_trace(0, ("reached",)), EpisodeFacts())) is None
-
-
-@pytest.mark.parametrize("ends", [(), ("",)])
-def test_none_without_a_finished_episode(ends):
-    """Without an end there is no value."""
-    assert Work()(recorded_trace(0, ends)) is None
-
-
-def test_it_is_in_joules_and_better_when_lower():
-    """What the report says beside the value."""
-    assert (Work().unit, Work().better) == ("J", "lower")

@@ -7,21 +7,12 @@ from numpy.testing import assert_array_equal
 
 from harness.registry import build
 from harness.reward import Sample
-from harness_plugins.kit import check_contract
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.arp import Arp
+from tests.plugins.rewards.distances import DISTANCES, GAINS
 from tests.refusals import refused
 
-METRES = st.integers(0, 3072).map(lambda n: n / 1024)
-DISTANCES = st.lists(METRES, min_size=2, max_size=30)
-GAINS = st.floats(0.01, 10.0)
 DOUBLING = Aarp(k1=1.0, k2=1.0, growth=2.0, k_max=4.0)
-
-
-def test_contract():
-    """It keeps the contract of rewards, also where the gain soon meets its cap."""
-    check_contract("reward", Aarp())
-    check_contract("reward", DOUBLING)
 
 
 def test_values_by_hand(episode):
@@ -72,13 +63,6 @@ def test_carry_is_the_gain_and_is_written_anew():
     after, _ = DOUBLING(carry, Sample(one, best, best, distance, distance - best, one))
     assert carry.tolist() == [1.0, 1.0, 1.0]
     assert after.tolist() == [2.0, 1.0, 1.0]
-
-
-@given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
-def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
-    """Values are in metres."""
-    scaled = episode(Aarp(), [factor * distance for distance in distances])
-    assert_array_equal(scaled, factor * episode(Aarp(), distances))
 
 
 def test_cap_below_the_gain_is_refused():

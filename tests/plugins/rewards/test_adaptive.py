@@ -5,21 +5,12 @@ import itertools
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from numpy.testing import assert_array_equal
 
-from harness_plugins.kit import check_contract
 from harness_plugins.rewards.adaptive import Adaptive
+from tests.plugins.rewards.distances import GAINS, METRES
 
-METRES = st.integers(0, 3072).map(lambda n: n / 1024)
 BEGIN = st.integers(1, 3072).map(lambda n: n / 1024)
 DISTANCES = st.builds(lambda begin, rest: [begin, *rest], BEGIN, st.lists(METRES, min_size=1, max_size=30))
-GAINS = st.floats(0.01, 10.0)
-
-
-def test_contract():
-    """It keeps the contract of rewards."""
-    check_contract("reward", Adaptive())
-    check_contract("reward", Adaptive(k_far=2.0, k_near=0.5))
 
 
 def test_value_by_hand(episode, subtests):
@@ -77,10 +68,3 @@ def test_gain_lies_between_its_ends(episode, distances):
     assert (np.abs(adapted) >= 0.5 * np.abs(plain)).all()
     assert (np.abs(adapted) <= 1.5 * np.abs(plain)).all()
     assert (np.sign(adapted) == np.sign(plain)).all()
-
-
-@given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
-def test_scaling_the_workspace_changes_nothing(episode, distances, factor):
-    """Scale-free."""
-    scaled = episode(Adaptive(), [factor * distance for distance in distances])
-    assert_array_equal(scaled, episode(Adaptive(), distances))

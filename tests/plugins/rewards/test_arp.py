@@ -8,10 +8,10 @@ import harness
 from harness.reward import Sample
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.baseline import Baseline
+from tests.plugins.rewards.distances import GAINS
 from tests.refusals import refused
 
 METRES = st.floats(0.0, 3.0)
-GAINS = st.floats(0.01, 10.0)
 
 
 def pay(reward, begin, best, distance):

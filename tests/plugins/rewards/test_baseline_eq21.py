@@ -6,17 +6,9 @@ import numpy as np
 from hypothesis import given, strategies as st
 from numpy.testing import assert_array_equal
 
-from harness_plugins.kit import check_contract
 from harness_plugins.rewards.baseline import Baseline
 from harness_plugins.rewards.baseline_eq21 import BaselineEq21
-
-METRES = st.integers(0, 3072).map(lambda n: n / 1024)  # sums, differences and doubles of these are exact
-DISTANCES = st.lists(METRES, min_size=2, max_size=30)
-
-
-def test_contract():
-    """It keeps the contract of rewards."""
-    check_contract("reward", BaselineEq21())
+from tests.plugins.rewards.distances import DISTANCES, METRES
 
 
 def test_value_by_hand(episode, subtests):
@@ -70,10 +62,3 @@ def test_bounds(episode, distances):
     values = episode(BaselineEq21(), distances)
     assert (values <= distances[0]).all()
     assert (values >= -np.array(distances[1:])).all()
-
-
-@given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
-def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
-    """Values are in metres."""
-    scaled = episode(BaselineEq21(), [factor * distance for distance in distances])
-    assert_array_equal(scaled, factor * episode(BaselineEq21(), distances))

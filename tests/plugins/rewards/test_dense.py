@@ -4,20 +4,11 @@ import math
 
 import pytest
 from hypothesis import given, strategies as st
-from numpy.testing import assert_array_equal
 
 from harness.registry import build
-from harness_plugins.kit import check_contract
 from harness_plugins.rewards.dense import Dense
+from tests.plugins.rewards.distances import DISTANCES
 from tests.refusals import refused
-
-METRES = st.integers(0, 3072).map(lambda n: n / 1024)
-DISTANCES = st.lists(METRES, min_size=2, max_size=30)
-
-
-def test_contract():
-    """It keeps the contract of rewards."""
-    check_contract("reward", Dense())
 
 
 @pytest.mark.parametrize(("scale", "distance", "expected"), [(1.0, 0.25, -0.25), (2.0, 1.5, -3.0), (1.0, 0.0, 0.0)])
@@ -37,14 +28,6 @@ def test_bounds(episode, distances, scale):
     values = episode(Dense(scale), distances)
     assert (values <= 0.0).all()
     assert (values >= -scale * max(distances)).all()
-
-
-@given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
-def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
-    """So does the parameter scale, by as much."""
-    values = factor * episode(Dense(), distances)
-    assert_array_equal(episode(Dense(), [factor * distance for distance in distances]), values)
-    assert_array_equal(episode(Dense(scale=factor), distances), values)
 
 
 def test_scale_is_positive():

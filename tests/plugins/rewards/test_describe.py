@@ -1,13 +1,11 @@
 """What a user reads who picks a reward."""
 
-from pathlib import Path
-
-from harness import load_registry
 from harness.describe import describe_name
+from tests.project import page_of
+from tests.registered import REGISTRY
 
-REGISTRY = load_registry()
 BUILT_IN = [name for name in REGISTRY.names("rewards") if REGISTRY.get("rewards", name).plugin == "rewards"]
-PAGE = (Path(__file__).parents[3] / "docs" / "rewards.md").read_text()
+PAGE = page_of("rewards")
 
 
 def test_description_has_formula_and_source(subtests):

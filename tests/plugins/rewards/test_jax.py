@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from harness import load_registry
 from harness.reward import pay
 from harness.reward.forms import reward_class
 from harness.reward.steps import map_steps
 from harness_plugins.kit.reward_samples import edge_samples, play, random_samples, values_of
+from tests.registered import REGISTRY
 
 jax = pytest.importorskip("jax")
 
-REGISTRY = load_registry()
 SETTINGS = ["relative:denominator=current", "scaled:reward=aarp:growth=1.5", "shifted:reward=relative"]
 """Ways through a reward that its defaults leave out, and carries that another reward hands on."""
 

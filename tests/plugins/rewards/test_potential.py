@@ -5,23 +5,14 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from numpy.testing import assert_array_equal
 
 from harness.registry import build
 from harness_plugins.algorithms.sac import Sac
-from harness_plugins.kit import check_contract
 from harness_plugins.rewards.potential import Potential
+from tests.plugins.rewards.distances import DISTANCES
 from tests.refusals import refused
 
-METRES = st.integers(0, 3072).map(lambda n: n / 1024)
-DISTANCES = st.lists(METRES, min_size=2, max_size=30)
 GAMMAS = st.floats(0.01, 1.0)
-
-
-def test_contract():
-    """It keeps the contract of rewards, discounted or not."""
-    check_contract("reward", Potential())
-    check_contract("reward", Potential(gamma=1.0, scale=3.0))
 
 
 def test_value_by_hand(episode, subtests):
@@ -58,14 +49,6 @@ def test_bounds(episode, distances, gamma):
     values = episode(Potential(gamma, scale=2.0), distances)
     assert (values <= 2.0 * np.array(distances[:-1])).all()
     assert (values >= -2.0 * gamma * np.array(distances[1:]) - 1e-12).all()
-
-
-@given(DISTANCES, st.sampled_from([0.25, 2.0, 64.0]))
-def test_scaling_the_workspace_scales_the_reward(episode, distances, factor):
-    """So does the parameter scale, by as much."""
-    values = factor * episode(Potential(), distances)
-    assert_array_equal(episode(Potential(), [factor * distance for distance in distances]), values)
-    assert_array_equal(episode(Potential(scale=factor), distances), values)
 
 
 def test_discount_is_that_of_the_default_learner():

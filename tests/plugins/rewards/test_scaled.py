@@ -5,15 +5,14 @@ from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_array_equal
 
 import harness
-from harness import load_registry
 from harness.registry import choose
 from harness_plugins.kit import check_contract
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.arp import Arp
 from harness_plugins.rewards.scaled import Scaled
 from tests.refusals import refused
+from tests.registered import REGISTRY
 
-REGISTRY = load_registry()
 OTHERS = [name for name in REGISTRY.names("rewards") if name != "scaled"]
 DISTANCES = st.lists(st.floats(0.0, 3.0), min_size=2, max_size=20)
 

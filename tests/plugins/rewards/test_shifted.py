@@ -4,23 +4,14 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_array_equal
 
-from harness import load_registry
 from harness.registry import choose
-from harness_plugins.kit import check_contract
 from harness_plugins.rewards.aarp import Aarp
 from harness_plugins.rewards.shifted import Shifted
+from tests.plugins.rewards.test_scaled import DISTANCES
 from tests.refusals import refused
+from tests.registered import REGISTRY
 
-REGISTRY = load_registry()
 OTHERS = [name for name in REGISTRY.names("rewards") if name != "shifted"]
-DISTANCES = st.lists(st.floats(0.0, 3.0), min_size=2, max_size=20)
-
-
-def test_contract(subtests):
-    """It keeps the contract of rewards, whatever it adds to."""
-    for reward in OTHERS:
-        with subtests.test(reward=reward):
-            check_contract("reward", Shifted(reward=reward, offset=-0.5))
 
 
 @settings(max_examples=25)  # each looks all plugins up

@@ -3,13 +3,7 @@
 from hypothesis import given, strategies as st
 from numpy.testing import assert_array_equal
 
-from harness_plugins.kit import check_contract
 from harness_plugins.rewards.sparse import Sparse
-
-
-def test_contract():
-    """It keeps the contract of rewards."""
-    check_contract("reward", Sparse())
 
 
 @given(st.lists(st.floats(0.0, 3.0), min_size=2, max_size=30))
