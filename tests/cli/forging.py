@@ -241,7 +241,8 @@ def _with_gaps(found):
     return found.set_column(found.schema.get_field_index("qpos"), pa.field("qpos", gaps.type), gaps)
 
 
-def _nested(depth):
+def nested(depth):
+    """A list in a list, so deep."""
     value = 1
     for _ in range(depth):
         value = [value]
@@ -316,7 +317,7 @@ FORGED = {
     "plan: a program": _every_cell(task={"name": "unity", "label": "x", "params": {"file": f"../{CANARY}/program"}}),
     "experiment: plugins": _experiment(plugins=[{"path": f"../{CANARY}/{EVIL}", "name": "evil"}]),
     "experiment: plugins as text": _experiment(plugins=[f"../{CANARY}/{EVIL}"]),
-    "experiment: deep": _experiment(sim=_nested(DEEP)),
+    "experiment: deep": _experiment(sim=nested(DEEP)),
     "experiment: null": _experiment(sim=None),
     "experiment: half a letter": _experiment(sim="\ud800"),
     "experiment: escapes": _experiment(sim=[ESCAPE], algo=ESCAPE, reward=[{"name": ESCAPE}], measure=[ESCAPE]),

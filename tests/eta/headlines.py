@@ -7,7 +7,6 @@ import numpy as np
 from hypothesis import strategies as st
 
 from harness.eta import (
-    TRAINING,
     Answer,
     Names,
     Quantity,
@@ -17,11 +16,10 @@ from harness.eta import (
     number_sentence,
     swaps_of,
 )
+from tests.results.told import SUCCESS
 
 NAMES = Names("base", "mine")
-SUCCESS = Quantity("success_rate", "", "higher", "deterministic", episodes=100)
 TIME = Quantity("time_to_target", "s", "lower", "deterministic", bounds=(0.0, 10.0))
-SPEED = Quantity("success_rate", "", "higher", TRAINING, episodes=100)
 DECIDED = (Answer.HELPS, Answer.HURTS, Answer.LEARNS_FASTER, Answer.LEARNS_SLOWER, Answer.MIXED)
 PAIRS = st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)), min_size=1, max_size=8)
 """Of shares of success under both rewards."""

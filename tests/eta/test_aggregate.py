@@ -5,12 +5,11 @@ import pytest
 import scipy.stats
 from hypothesis import given, strategies as st
 
-from harness.eta import Quantity
 from harness.eta.behaviour_change import performance_profile
 from tests.eta.headlines import TIME, change
+from tests.eta.test_amounts import HEIGHT
 
 VALUES = st.lists(st.integers(-5, 5).map(float), min_size=1, max_size=8)
-HEIGHT = Quantity("tip_height", "m", "higher", "deterministic")
 
 
 def middle(values):

@@ -12,10 +12,10 @@ from numpy.random import default_rng
 from harness.eta import SHARE, Quantity, change_of, p_of, swaps_of
 from harness.eta.headline import is_within
 from harness.eta.interval import Side, difference_bounds
+from tests.results.told import SUCCESS
 
 NUMBER = st.floats(-10.0, 10.0).map(lambda value: round(value, 6))
 VALUES = st.lists(st.none() | NUMBER, min_size=1, max_size=8)
-SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
 DISTANCE = Quantity("final_distance", "m", "lower", "deterministic")
 
 

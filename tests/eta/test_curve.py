@@ -3,7 +3,6 @@
 import math
 import tomllib
 from itertools import accumulate
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,10 +13,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.eta import GroupCurve, Index, curve_of
 from harness.eta.curve import mixtures, stream_curve, swapped
+from tests.project import ROOT
 
-PUBLISHED = tomllib.loads(
-    (Path(__file__).parents[2] / "results" / "reference" / "arp-2021" / "published.toml").read_text()
-)
+PUBLISHED = tomllib.loads((ROOT / "results" / "reference" / "arp-2021" / "published.toml").read_text())
 POINTS = 4096
 KINDS = ("accumulated", "per-step")
 STEP = st.one_of(

@@ -24,7 +24,8 @@ from harness.eta import (
     swaps_of,
 )
 from harness.eta.power import seeds_to_tell
-from tests.eta.headlines import CLAIM, DECIDED, NAMES, PAIRS, SPEED, SUCCESS, TIME, change, headline_of, ruling_of
+from tests.eta.headlines import CLAIM, DECIDED, NAMES, PAIRS, SUCCESS, TIME, change, headline_of, ruling_of
+from tests.results.told import SPEED
 
 SEEDS = 10
 SAME = (-100.0, 100.0)

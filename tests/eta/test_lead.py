@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.eta import Answer, Quantity, Ruling, Verdict, lead_of
-from tests.eta.headlines import CLAIM, DECIDED, NAMES, PAIRS, SPEED, TIME, change
-
-HEIGHT = Quantity("tip_height", "m", "higher", "deterministic")
-
+from harness.eta import Answer, Ruling, Verdict, lead_of
+from tests.eta.headlines import CLAIM, DECIDED, NAMES, PAIRS, TIME, change
+from tests.eta.test_amounts import HEIGHT
+from tests.results.told import SPEED
 
 NOT_TESTED = Ruling()
 

@@ -8,7 +8,6 @@ import csv
 import itertools
 from collections import defaultdict
 from functools import partial
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -49,10 +48,11 @@ from tests.eta.scenarios import (
     true_sums,
     unchanged,
 )
+from tests.project import ROOT
 
 SCENARIOS = {"falls first": FALLS_FIRST, "shallow": SHALLOW}
 SEEDS = (3, 5, 10, 20)
-RECORDED = Path(__file__).parents[2] / "results" / "reference"
+RECORDED = ROOT / "results" / "reference"
 SLACK = 1e-12
 """Ends that are a bound of the range are reached but for rounding."""
 

@@ -9,14 +9,12 @@ import pytest
 from harness.errors import HarnessError, StorageError
 from harness.experiment.verify import verify
 from harness.record import Store
-from harness.registry import Choice
 from tests.experiment.faults import faults
 from tests.left import left_by_cells
+from tests.results.folders import ARP
 from tests.stores import create_store
 
 __all__ = ["faults"]
-
-ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ import pytest
 from harness.record import RANDOM
 from harness.record.store import floors_in
 from harness.registry import Choice
+from tests.results.folders import ARP
 
-ARP = Choice("arp", (("k1", 1.0), ("k2", 1.5)), "arp")
 SLOWER = Choice("fd100-reach", (("horizon", 6),), "fd100-reach:horizon=6")
 
 

@@ -16,9 +16,8 @@ from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.sb3 import ProgressCallback, VecEnvAdapter
 from harness_plugins.tasks.unity import Arp2021
+from tests.registered import FD100 as ROBOT, UNITY_ARM as ARM
 
-ROBOT = harness.load_robot("fd100")
-ARM = harness.load_robot("unity-arm")
 ARM_HOME = (ARM.home / ARM.upper).astype(np.float32)
 """The action that leaves the arm where it starts."""
 

@@ -8,6 +8,7 @@ from harness.errors import SchemaError, UsageError
 from harness.record import EXPERIMENT, PLAN, Store
 from harness.record.plan_file import StoredPlan, plan_from_cells
 from harness.registry import Choice
+from tests.cli.forging import nested
 
 ARP = Choice("arp", (("k1", 1.0), ("k2", 2.0)), "arp:k2=2")
 
@@ -20,21 +21,14 @@ def test_plan_is_read_as_it_was_written(make_cell, tmp_path):
     assert (tmp_path / EXPERIMENT).read_text() == "seeds = [\n    0,\n]\n"
 
 
-def _nested(depth):
-    value = 1
-    for _ in range(depth):
-        value = [value]
-    return value
-
-
-UNWRITABLE = [{"sim": _nested(900)}, {"sim": None}, {"sim": ["a", "\ud800"]}]
+UNWRITABLE = [{"sim": nested(900)}, {"sim": None}, {"sim": ["a", "\ud800"]}]
 WRONG = {
     "baseline": [3],
     "a_a": ["yes"],
     "control": [[[0]], [[0, -1]]],
     "cells": [None, [{}], [3]],
     "more": [1],
-    "experiment": [[], {"sim": _nested(50)}, {"sim": None}],
+    "experiment": [[], {"sim": nested(50)}, {"sim": None}],
     "the file": UNWRITABLE[::2],  # nested without end, or half a character: it is no JSON that anybody reads
     "terms.looks": [{"looks": looks} for looks in ([10_001], [2, 2], [3, 2])],  # a billion seeds would take long
 }

@@ -10,6 +10,8 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import harness
 
+ACTION = np.array([0.5], np.float32)
+
 MODES = (None, *AutoresetMode)
 """One env, or a batch in each way of starting episodes."""
 

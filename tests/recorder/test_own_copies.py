@@ -10,9 +10,7 @@ import pytest
 import harness
 from harness.errors import UsageError
 from harness.record import read_recording
-from tests.recorder.conftest import recorder, take
-
-ACTION = np.array([0.5], np.float32)
+from tests.recorder.conftest import ACTION, recorder, take
 
 
 class Holds:

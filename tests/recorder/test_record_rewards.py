@@ -13,8 +13,7 @@ from gymnasium.utils.env_checker import check_env
 
 from harness.errors import SchemaError, StorageError, UsageError
 from harness.record import read_recording
-
-ACTION = np.array([0.5], np.float32)
+from tests.recorder.conftest import ACTION
 
 
 def gain(observation, action, next_observation, info):

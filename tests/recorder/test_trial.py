@@ -10,11 +10,10 @@ import harness
 from harness.errors import UsageError
 from harness.record import read_recording
 from harness.recorder.recorder import GivenUp, Noted
-from tests.recorder.conftest import recorder, take
+from tests.recorder.conftest import ACTION, recorder, take
 
 MEMORY = {}
 GENERATOR = np.random.default_rng(0)
-ACTION = np.array([0.5], np.float32)
 
 
 @pytest.fixture(autouse=True)

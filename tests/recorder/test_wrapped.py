@@ -13,9 +13,8 @@ import harness
 from harness.errors import UsageError
 from harness.record import read_recording
 from harness.recorder.recorder import Noted
-from tests.recorder.conftest import take
+from tests.recorder.conftest import ACTION, take
 
-ACTION = np.array([0.5], np.float32)
 REWARDS = {"own": "own", "raw": lambda s, a, n, i: float(n[0])}
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.random import default_rng
 
-from harness.eta import TRAINING, Quantity, change_of, swaps_of
+from harness.eta import Quantity, change_of, swaps_of
 from harness.record import Terms
 from harness.registry import Choice
 from harness.report.page.answer import card_of, pool_card
@@ -19,9 +19,8 @@ from harness.results import Comparison, Group
 from harness.results.compare import with_verdicts
 from harness.results.comparison import Behaviour
 from harness.results.overview import decider_text
+from tests.results.told import SPEED, SUCCESS
 
-SUCCESS = Quantity("success_rate", "", "higher", "deterministic", 100)
-SPEED = Quantity("success_rate", "", "higher", TRAINING, 100)
 COST = Quantity("energy_balance", "J", "lower", "deterministic")
 HORIZON = 5.0
 """The time that a failed episode counts, in seconds."""

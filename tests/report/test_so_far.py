@@ -8,8 +8,8 @@ import pytest
 from harness.report import FactsTable, Report, what_decides, write_html
 from harness.report.page.html import PROMISE
 from tests.report.conftest import printed, squeezed, words_of
+from tests.report.test_views import AHEAD
 
-AHEAD = {"arp": lambda seed: (5, 6, 7, 8), "baseline": lambda seed: (7, 8, 9)}
 PLAIN = re.compile(r"\b(HELPS|HURTS|helps|hurts|LEARNS|learns (faster|slower|more slowly))\b")
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from harness import load_registry, load_results
+from harness import load_results
 from harness.record import read_recording
 from harness.report import FactsTable, Report, report_text, write_html
 from harness_plugins.audit import audit_dataset, audit_recordings
@@ -19,6 +19,7 @@ from harness_plugins.audit.dataset.page import write_dataset_page
 from harness_plugins.committed import committed_table, write_summary
 from tests.laws import writers
 from tests.record.dataset.written import episode, write_minari
+from tests.registered import REGISTRY
 from tests.report.conftest import printed
 from tests.results.in_looks import CHOOSING, folder_in_looks
 from tests.results.recordings.conftest import record
@@ -84,7 +85,7 @@ def situation(build, make_cell, make_plan, tmp_path):
                 for seed in range(6):
                     _write_log(name, tmp_path / "logs", reward, seed, most)
             return load_results(tmp_path / "logs")
-        folder = folder_in_looks(CHOOSING, make_cell, make_plan, load_registry(), tmp_path / "race")
+        folder = folder_in_looks(CHOOSING, make_cell, make_plan, REGISTRY, tmp_path / "race")
         for reward, shares in zip(("dense", "arp", "baseline"), CHOSEN[name], strict=True):
             folder.train(reward, shares)
         return folder.results

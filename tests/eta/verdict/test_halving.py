@@ -5,7 +5,6 @@ docs/how-to/language-model-rewards.md again.
 """
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +13,9 @@ from numpy.random import default_rng
 from harness.eta import SHARE, UNBOUNDED, Question, Rung, fewest, halve, rule, schedule_of, usual
 from tests.eta.scenarios import LEVEL, is_kept
 from tests.eta.verdict.kinds import ENDS, spread
+from tests.project import ROOT
 
-PAGE = Path(__file__).parents[3] / "docs/how-to/language-model-rewards.md"
+PAGE = ROOT / "docs/how-to/language-model-rewards.md"
 BUDGETS, GOOD = (20, 40, 60), 0.05
 MEANS = {
     "one at 80 % among 5, the others at 50 %": lambda rng: np.array([0.8, *[0.5] * 4]),

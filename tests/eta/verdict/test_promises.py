@@ -5,7 +5,6 @@ docs/what-statistics-promise.md is read here, and each of its numbers is compute
 """
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,8 +15,9 @@ from harness.eta.verdict.looks import ONE_PLACE, SEVERAL_PLACES, luck_in
 from harness.eta.verdict.ruling import LATER, better_in, opposed_in, rule_places
 from tests.eta.scenarios import LEVEL, is_kept
 from tests.eta.verdict.kinds import ENDS, KINDS, Kind, failing, question_of, spread
+from tests.project import ROOT
 
-PAGE = Path(__file__).parents[3] / "docs/what-statistics-promise.md"
+PAGE = ROOT / "docs/what-statistics-promise.md"
 BELL = KINDS["bell curve"]
 BETTER = spread(0.45, 0.18)
 TABLE = {

@@ -38,7 +38,7 @@ def _cell(registry, algo=RANDOM, **keys):
     return cell
 
 
-def _files(folder):
+def files_of(folder):
     """What a cell left, but for what tells of its times."""
     return {name: it for name, it in digests_in(folder).items() if name not in (LOG, MANIFEST)}
 
@@ -67,7 +67,7 @@ def test_a_killed_cell_ends_as_if_it_had_not_been(registry, given, tmp_path, alg
     manifest = _go_on(cell, tmp_path / "killed", given)
     assert (manifest.status, manifest.note) == ("done", f"went on after {manifest.resumed_from} steps")
     assert manifest.resumed_from >= 100
-    assert _files(tmp_path / "killed") == _files(tmp_path / "whole") == _files(tmp_path / "plain")
+    assert files_of(tmp_path / "killed") == files_of(tmp_path / "whole") == files_of(tmp_path / "plain")
 
 
 def test_it_goes_on_twice(registry, given, tmp_path):
@@ -82,7 +82,7 @@ def test_it_goes_on_twice(registry, given, tmp_path):
             partial_folder(tmp_path / "twice" / "killed").rename(partial_folder(tmp_path / "twice" / "whole"))
     assert 650 <= _go_on(cell, tmp_path / "twice" / "killed", given).resumed_from <= 800
     assert read_manifest(tmp_path / "twice" / "whole").resumed_from >= 250
-    assert _files(tmp_path / "twice" / "killed") == _files(tmp_path / "plain")
+    assert files_of(tmp_path / "twice" / "killed") == files_of(tmp_path / "plain")
 
 
 def test_evaluations_on_the_way_are_not_made_again(registry, given, tmp_path):
@@ -92,7 +92,7 @@ def test_evaluations_on_the_way_are_not_made_again(registry, given, tmp_path):
     _leave(cell, tmp_path / "killed", given)
     assert _go_on(cell, tmp_path / "killed", given).resumed_from >= 100
     assert list(evaluation_files(tmp_path / "killed", suffix="")) == [60, 120, 180]
-    assert _files(tmp_path / "killed") == _files(tmp_path / "plain")
+    assert files_of(tmp_path / "killed") == files_of(tmp_path / "plain")
 
 
 def test_a_cell_that_is_killed_in_its_evaluation_goes_on(registry, given, tmp_path, monkeypatch):
@@ -107,7 +107,7 @@ def test_a_cell_that_is_killed_in_its_evaluation_goes_on(registry, given, tmp_pa
     run_cell(cell, whole, report, CellOptions(EVERY, plugins=given))
     assert (partial_folder(killed) / "evaluation").exists()
     assert _go_on(cell, killed, given).resumed_from == 150
-    assert _files(killed) == _files(whole)
+    assert files_of(killed) == files_of(whole)
 
 
 @pytest.mark.parametrize(
@@ -181,4 +181,4 @@ def test_a_process_that_is_killed_loses_nothing(
         assert not (tmp_path / "killed").exists()
     train_in_a_process(cell, tmp_path / "killed", 100, plugins=given)
     assert read_manifest(tmp_path / "killed").resumed_from >= 1000
-    assert _files(tmp_path / "killed") == _files(tmp_path / "whole")
+    assert files_of(tmp_path / "killed") == files_of(tmp_path / "whole")

@@ -16,7 +16,8 @@ print(child.pid, flush=True)
 """
 
 
-def _lives(pid):
+def lives(pid):
+    """Whether it is a process that has not ended."""
     try:
         return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
     except psutil.NoSuchProcess:
@@ -29,9 +30,9 @@ def test_grandchild_is_ended_after_its_parent_has_left():
     env = {**os.environ, **offspring.environment}
     told = subprocess.run([sys.executable, "-c", PARENT], env=env, stdout=subprocess.PIPE, check=True, text=True)
     grandchild = int(told.stdout)
-    assert _lives(grandchild)
+    assert lives(grandchild)
     offspring.kill()
-    assert not _lives(grandchild)
+    assert not lives(grandchild)
 
 
 def test_processes_of_others_are_left_alone():

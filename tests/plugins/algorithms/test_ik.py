@@ -8,7 +8,6 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
-from harness import load_registry
 from harness.algorithm import learns, why_not
 from harness.env.arm_observation import ArmObservation, kinematics_policy
 from harness.errors import SchemaError
@@ -21,9 +20,9 @@ from harness.registry import choose
 from harness.task import ReachTask
 from harness_plugins.algorithms.ik import Ik
 from harness_plugins.kit.trainings import observations, train
+from tests.registered import FD100, REGISTRY
 
 MODES = ("movej", "movej-absolute", "set-joints")
-REGISTRY = load_registry()
 
 
 def _policy(task, robot="fd100", mode="movej"):
@@ -65,7 +64,7 @@ def test_it_does_the_harder_tasks(task):
 def test_policy_of_a_pose_comes_back_from_its_folder(tmp_path):
     """With what it sees beside the target's place; a card whose observation has no room for it is refused."""
     task = choose(REGISTRY, "tasks", "fd100-pose").build(REGISTRY, "tasks")
-    policy = kinematics_policy(task, harness.load_robot("fd100", REGISTRY), "ik")
+    policy = kinematics_policy(task, FD100, "ik")
     policy.save(tmp_path)
     seen, _ = harness.make_env("kinematic", "fd100-pose", "dense", num_envs=4).reset(seed=0)
     assert_array_equal(policy.act(seen), load_policy(tmp_path).act(seen))
@@ -90,7 +89,7 @@ def test_policy_comes_back_from_its_folder(tmp_path, mode):
     loaded = load_policy(tmp_path)
     assert_array_equal(policy.act(observations()), loaded.act(observations()))
     card = json.loads((tmp_path / CARD).read_text())
-    assert card["robot"]["name"] == harness.load_robot("fd100", REGISTRY).name
+    assert card["robot"]["name"] == FD100.name
     assert len(card["robot"]["urdf_sha256"]) == 64
     assert isinstance(loaded.floor(), Uniform)
 
@@ -103,8 +102,7 @@ def test_nothing_is_drawn():
 
 def test_card_has_the_size_of_the_observation():
     """Joint angles, speeds and accelerations, and ten numbers more."""
-    arm = harness.load_robot("fd100", REGISTRY)
-    assert _policy(ReachTask()).card()["observation"]["size"] == len(ArmObservation(arm, 0.1).low)
+    assert _policy(ReachTask()).card()["observation"]["size"] == len(ArmObservation(FD100, 0.1).low)
 
 
 DAMAGES = {

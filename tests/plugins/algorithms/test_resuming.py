@@ -2,14 +2,12 @@
 
 import pytest
 
-import harness
-from harness import load_registry
 from harness.env.vector_env import World
 from harness.registry import choose
 from harness.registry.choice import build_defaults
 from harness_plugins.kit.algorithms import differences, train_with_checkpoints
+from tests.registered import FD100, REGISTRY
 
-REGISTRY = load_registry()
 SMALL = {"net_arch": (8,), "batch_size": 16, "learning_starts": 40}
 ALGORITHMS = {
     "sac-fast": {**SMALL, "buffer_size": 60},
@@ -41,8 +39,7 @@ def test_training_goes_on_as_if_nothing_had_happened(installed, tmp_path, algori
             task["action"] = "discrete"
         built = choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks")
         engine = REGISTRY.get("simulators", simulator).load()()
-        robot = harness.load_robot("fd100", REGISTRY)
-        world = World(engine, robot, built, build_defaults(REGISTRY, "rewards")["baseline"])
+        world = World(engine, FD100, built, build_defaults(REGISTRY, "rewards")["baseline"])
         return world.open(learner.num_envs, resumable=True)
 
     def train(name, every=EVERY, start=None):

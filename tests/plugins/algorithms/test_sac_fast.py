@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from harness.algorithm import Progress
 from harness_plugins.algorithms.sac import Sac
 from harness_plugins.algorithms.sac_fast import SacFast
-from harness_plugins.kit.algorithms import the_budget_is_spent_exactly, the_return_rises
+from harness_plugins.kit.algorithms import the_return_rises
 from harness_plugins.kit.trainings import WatchedEnv, train
 
 
@@ -48,12 +48,6 @@ def test_other_coefficients_are_refused(subtests):
 def test_return_rises(settings):
     """On the easy task, in whatever form; with the defaults it is tested with the contract."""
     the_return_rises(SacFast(**settings))
-
-
-@pytest.mark.parametrize("settings", [{"num_envs": 4}, {"train_freq": 7}, {"num_envs": 4, "train_freq": 3}])
-def test_budget_is_spent_exactly(settings):
-    """Neither the number of envs nor the rhythm of the updates makes a training longer than its budget."""
-    the_budget_is_spent_exactly(SacFast(**settings))
 
 
 def test_without_entropy_it_learns_too():

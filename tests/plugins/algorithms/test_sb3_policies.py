@@ -96,7 +96,7 @@ def test_budget_is_spent_exactly(subtests):
             the_budget_is_spent_exactly(algorithm)
 
 
-@pytest.mark.parametrize("algorithm", [Td3(), Ppo(num_envs=1), Dqn(), Ddqn()], ids=repr)
+@pytest.mark.parametrize("algorithm", [Sac(), Td3(), Ppo(num_envs=1), Dqn(), Ddqn()], ids=repr)
 def test_large_seed_is_taken(algorithm):
     """A seed of 64 bits is no error."""
     assert train_anew(algorithm, 4, seed=2**63).env.steps == 4

@@ -2,7 +2,6 @@
 
 import pytest
 
-from harness import load_registry
 from harness.registry import build, choose
 from harness_plugins.algorithms.ddqn import Ddqn
 from harness_plugins.algorithms.dqn import Dqn
@@ -10,6 +9,7 @@ from harness_plugins.algorithms.ppo import Ppo
 from harness_plugins.algorithms.td3 import Td3
 from harness_plugins.kit.trainings import train_anew
 from tests.refusals import refused
+from tests.registered import REGISTRY
 
 SHARED = {
     "learning_rate": 0.002, "gamma": 0.9, "net_arch": (32, 16), "batch_size": 17, "buffer_size": 100,
@@ -93,10 +93,9 @@ def test_what_is_given_wins_over_the_preset(given):
 )
 def test_label_names_the_preset_and_what_differs_from_it(text):
     """Every parameter is recorded with its value all the same, and the record gives the same choice again."""
-    registry = load_registry()
-    choice = choose(registry, "algorithms", text)
+    choice = choose(REGISTRY, "algorithms", text)
     assert choice.label == text
-    assert choose(registry, "algorithms", {"name": "ppo", **dict(choice.params)}) == choice
+    assert choose(REGISTRY, "algorithms", {"name": "ppo", **dict(choice.params)}) == choice
 
 
 def test_bad_setting_is_a_usage_error(subtests):

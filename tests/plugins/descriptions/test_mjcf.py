@@ -16,6 +16,7 @@ from harness.robot import link_frames
 from harness.robot.robot import read_robot
 from harness_plugins.descriptions.mjcf import SPEEDS, Mjcf, _rotation, _rpy, _turn
 from tests.plugins.descriptions.hostile_mjcf import MODELS, arm, write_hostile
+from tests.robot.brought_arms import poses_of
 
 ARM = """<!-- A licence may stand here. -->
 <mujoco model="odd">
@@ -100,11 +101,6 @@ def posed(path, robot, pose):
         data.joint(name).qpos = position
     mujoco.mj_forward(model, data)
     return model, data
-
-
-def poses_of(robot):
-    """Twenty at random, (20, dof)."""
-    return default_rng(0).uniform(robot.lower, robot.upper, (20, robot.dof))
 
 
 def refused(folder, text):

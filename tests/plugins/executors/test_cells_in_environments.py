@@ -10,11 +10,11 @@ from harness import load_registry
 from harness.executor import CellOptions, Event, Job, Part, Word, add_parts
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
-from harness.record import EVALUATION_RECORDING, LOG, MANIFEST, POLICY, RANDOM
-from harness.record.cell import digests_in
+from harness.record import EVALUATION_RECORDING, POLICY, RANDOM
 from harness.record.folder import TRAINING_RECORDING, recording_of
 from harness.registry import choose, read_given
 from harness_plugins.ray_cluster.node import Ended, Slot
+from tests.experiment.environments.test_going_on import files_of
 
 TOY = Path(__file__).parents[2] / "experiment" / "environments" / "toy.py"
 
@@ -33,11 +33,7 @@ def expected(job, tmp_path_factory):
     """What it leaves when this process does it."""
     folder = tmp_path_factory.mktemp("here") / "cell"
     assert run_cell(job.cell, folder, lambda word: None, job.options).status == "done"
-    return _files(folder)
-
-
-def _files(folder):
-    return {name: it for name, it in digests_in(folder).items() if name not in (LOG, MANIFEST)}
+    return files_of(folder)
 
 
 def test_a_node_of_ray_sends_its_recordings(job, expected, tmp_path):
@@ -46,7 +42,7 @@ def test_a_node_of_ray_sends_its_recordings(job, expected, tmp_path):
     assert told[-1] == Ended("")
     assert any(isinstance(word, Word) for word in told)
     add_parts(tmp_path / "sent", [part for part in told if isinstance(part, Part)])
-    assert _files(tmp_path / "sent") == expected
+    assert files_of(tmp_path / "sent") == expected
     assert {name.split("/")[0] for name in expected} == {
         *(TRAINING_RECORDING, EVALUATION_RECORDING, POLICY),
         *map(recording_of, ("stochastic", RANDOM)),
@@ -69,4 +65,4 @@ def test_other_machines_leave_the_same(job, expected, tmp_path, executor, librar
         ("started", ""),
         ("ended", ""),
     ]
-    assert _files(tmp_path / "cells" / job.cell.id) == expected
+    assert files_of(tmp_path / "cells" / job.cell.id) == expected

@@ -4,18 +4,11 @@ from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
 
-import harness
 from harness.algorithm import Progress
-from harness.env.vector_env import ReachVectorEnv
-from harness.task import ReachTask
-from harness_plugins.kit import IdealSimulator
-from harness_plugins.kit.trainings import NegativeDistance
-from harness_plugins.sb3 import ProgressCallback, VecEnvAdapter
-
-ROBOT = harness.load_robot("fd100")
+from harness_plugins.sb3 import ProgressCallback
+from tests.plugins.test_sb3 import adapt, stand
 
 
 class Told(Progress):
@@ -32,18 +25,6 @@ class Told(Progress):
     def scalars(self, steps, values):
         """Kept."""
         self.told.append((steps, values))
-
-
-def adapt(num_envs=3, **task):
-    """The adapter of an env without an engine, seeded."""
-    env = ReachVectorEnv(IdealSimulator(), ROBOT, ReachTask(**task), NegativeDistance(), num_envs)
-    env.reset(seed=2)
-    return VecEnvAdapter(env)
-
-
-def stand(adapter):
-    """A step without motion."""
-    return adapter.step(np.zeros((adapter.num_envs, 6), np.float32))
 
 
 def watch(env, told, budget=10_000, **logged):

@@ -7,19 +7,19 @@ import pytest
 import stable_baselines3
 import torch
 
-import harness
 from harness.env.vector_env import ReachVectorEnv
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.sb3 import VecEnvAdapter
 from harness_plugins.sb3.callback import actor_entropy
+from tests.registered import FD100
 
 
 @pytest.fixture(scope="module")
 def model():
     """A soft actor-critic that has seen 40 steps of two envs."""
-    env = ReachVectorEnv(IdealSimulator(), harness.load_robot("fd100"), ReachTask(), NegativeDistance(), 2)
+    env = ReachVectorEnv(IdealSimulator(), FD100, ReachTask(), NegativeDistance(), 2)
     env.reset(seed=0)
     return stable_baselines3.SAC("MlpPolicy", VecEnvAdapter(env), seed=0, device="cpu", buffer_size=1000).learn(40)
 

@@ -4,17 +4,8 @@ from dataclasses import replace
 
 from harness.report import along_grid, behaviour_grids
 from tests.report.conftest import NO_PAIR
-
-
-def only(results):
-    """The only combination."""
-    (combination,) = results.combinations
-    return combination
-
-
-def measured(combination, **fields):
-    """Where something else was measured."""
-    return replace(combination, measured=replace(combination.measured, **fields))
+from tests.results.folders import only
+from tests.results.test_comparison import measured
 
 
 def rows_of(combination):

@@ -2,9 +2,9 @@
 
 import pytest
 
-from harness import load_registry
 from harness.report import FactsTable, Report, choosing_facts, question
 from harness_plugins.committed import committed_table, write_summary
+from tests.registered import REGISTRY
 from tests.report import conftest
 from tests.results.folders import fail
 from tests.results.in_looks import CHOOSING, folder_in_looks
@@ -13,7 +13,7 @@ from tests.results.in_looks import CHOOSING, folder_in_looks
 @pytest.fixture
 def folder(make_cell, make_plan, tmp_path):
     """Two candidates, nothing done yet."""
-    return folder_in_looks(CHOOSING, make_cell, make_plan, load_registry(), tmp_path)
+    return folder_in_looks(CHOOSING, make_cell, make_plan, REGISTRY, tmp_path)
 
 
 @pytest.fixture

@@ -11,17 +11,12 @@ from harness.report.rows.comparison import advice
 from harness.report.rows.ratios import index_grid, path_grid, ratio_grid, split_grid, sum_grid
 from harness.report.rows.returns import number_grids
 from tests.report.conftest import NO_PAIR, printed, squeezed
+from tests.results.folders import only
 
 
 def told(results):
     """What goes to a terminal, all words of it."""
     return squeezed(printed(FactsTable(Report(results).full)))
-
-
-def only(results):
-    """The only combination."""
-    (combination,) = results.combinations
-    return combination
 
 
 def make_split(eta, first, second, **given):

@@ -9,6 +9,7 @@ import pytest
 
 from harness_plugins.kit.inspection.finding import Asked, Finding, Outline, PlannedCheck, read_plugins
 from harness_plugins.kit.inspection.inspection import Loss, open_workshop
+from tests.experiment.workers.test_offspring import lives
 
 REWARD = """
 import os, subprocess, sys
@@ -90,12 +91,5 @@ def test_nothing_is_left(asked, tmp_path, monkeypatch):
         started = [int(pid) for pid in pids.read_text().split()]
         assert started
         assert all(psutil.pid_exists(pid) for pid in started)
-    assert not any(_lives(pid) for pid in started)
+    assert not any(lives(pid) for pid in started)
     assert list((tmp_path / "temporary").iterdir()) == []
-
-
-def _lives(pid):
-    try:
-        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
-    except psutil.NoSuchProcess:
-        return False
