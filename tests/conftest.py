@@ -97,6 +97,14 @@ def egl(_egl_fault, monkeypatch):
     monkeypatch.setenv("MUJOCO_GL", "egl")
 
 
+@pytest.fixture(scope="session")
+def registry():
+    """The installed plugins."""
+    from tests.registered import REGISTRY
+
+    return REGISTRY
+
+
 @pytest.fixture
 def installed(simulator):
     """Skip the test of a `simulator` whose library is not installed, and say what brings it."""

@@ -13,7 +13,8 @@ pytest.importorskip("mujoco")
 sys.path.insert(0, str(Path(__file__).parents[1] / "experiments/arms"))
 import measure as measure_arms
 
-ROOT = Path(__file__).parents[1]
+from tests.project import ROOT, page_of
+
 ARMS = tomllib.loads(measure_arms.ARMS.read_text())["arm"]
 RECORD = ROOT / "results/reference/arms/arms.csv"
 if not RECORD.exists():
@@ -47,7 +48,7 @@ def test_pages_say_what_was_measured(tmp_path):
     assert (tmp_path / RECORD.name).read_text() == RECORD.read_text()
     assert (tmp_path / "README.md").read_text() == RECORD.with_name("README.md").read_text()
     loaded = sum(bool(row.joints) for row in ROWS)
-    assert f"**{loaded} of {len(ROWS)} load and are right**" in (ROOT / "docs/robots.md").read_text()
+    assert f"**{loaded} of {len(ROWS)} load and are right**" in page_of("robots")
 
 
 def test_a_table_shows_what_fails():

@@ -8,10 +8,11 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "experiments/cheats"))
 import alarms as study
 
-ROOT = Path(__file__).parents[1]
+from tests.project import page_of
+
 if not study.RECORD.exists():
     pytest.skip("`python experiments/cheats/alarms.py` writes the record", allow_module_level=True)
-PAGE = (ROOT / "docs" / "studies" / "cheats.md").read_text()
+PAGE = page_of("studies/cheats")
 ROWS = study.read()
 
 

@@ -1,11 +1,11 @@
 """A docstring is a sentence that somebody understands who has not read the code: it has a subject."""
 
 import ast
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+from tests.project import ROOT
+
 NO_SUBJECT = ("Of", "That", "Whose", "Whom", "As")
 """First words after which a noun is missing, as in "Of all envs together" for "The space of all envs together"."""
 

@@ -1,15 +1,14 @@
 """The page of drives says what its record holds: two answers over four places."""
 
 import json
-from pathlib import Path
 
 import pytest
 
+from tests.project import page_of
 from tests.test_reference import REFERENCE
 
-ROOT = Path(__file__).parents[1]
 FOLDER = REFERENCE / "drives" / "until-decided"
-PAGE = (ROOT / "docs" / "studies" / "drives.md").read_text()
+PAGE = page_of("studies/drives")
 PROSE = " ".join(PAGE.split())
 RECORD = json.loads((FOLDER / "results.json").read_text())
 POOLS = RECORD["over_places"]

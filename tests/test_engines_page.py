@@ -2,15 +2,14 @@
 
 import json
 from collections import Counter
-from pathlib import Path
 
 import pytest
 
+from tests.project import ROOT, page_of
 from tests.test_reference import three
 
-ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "results" / "reference" / "engines"
-PAGE = (ROOT / "docs" / "studies" / "engines.md").read_text()
+PAGE = page_of("studies/engines")
 RECORDS = {path.parent.name: json.loads(path.read_text()) for path in sorted(FOLDER.glob("*/results.json"))}
 PARITY = json.loads((FOLDER / "parity.json").read_text())
 SERVO = ":drive=servo"

@@ -5,11 +5,12 @@ import os
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-MAKEFILE = Path(__file__).parents[1] / "Makefile"
+from tests.project import ROOT
+
+MAKEFILE = ROOT / "Makefile"
 HARNESS = """#!/bin/sh
 echo "$@" >> calls.txt
 case $1 in

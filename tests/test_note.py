@@ -4,18 +4,17 @@ import importlib
 import importlib.util
 import re
 from functools import cache
-from pathlib import Path
 
 import pytest
 import typer.main
 
-from harness import load_registry
 from harness.cli.app import build_app
 from harness.errors import UsageError
 from harness.record import SCALARS
 from harness.registry import choose
+from tests.project import ROOT
+from tests.registered import REGISTRY
 
-ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "note.md"
 
 NUMBERED = {
@@ -54,14 +53,9 @@ def wrong_names(page):
     return wrong + [link for link in LINK.findall(page) if not (PAGE.parent / link).is_file()]
 
 
-@cache
-def _registry():
-    return load_registry()
-
-
 def _is_registered(kind, label):
     try:
-        choose(_registry(), kind, label)
+        choose(REGISTRY, kind, label)
     except UsageError:
         return False
     return True

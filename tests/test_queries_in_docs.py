@@ -1,14 +1,13 @@
 """The queries that docs/folders.md shows."""
 
 import re
-from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
 
 from harness.record import EVALUATION, RESULTS, TRACE
+from tests.project import ROOT
 
-ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "folders.md"
 
 

@@ -4,15 +4,14 @@ import csv
 import hashlib
 import json
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.project import ROOT, page_of
 from tests.test_reference import RACES, REFERENCE
 
-ROOT = Path(__file__).parents[1]
-PAGE = (ROOT / "docs" / "studies" / "race.md").read_text()
+PAGE = page_of("studies/race")
 PROSE = " ".join(PAGE.split())
 EACH = pytest.mark.parametrize("name", ["arm", "pendulum"])
 

@@ -18,9 +18,8 @@ from harness.robot import reach_position
 from harness.robot.robot import read_robot
 from harness.task import ReachTask, place_box
 from tests.refusals import refused
+from tests.registered import FD100 as ROBOT, UNITY_ARM
 from tests.robot.brought_arms import TABLE_MOUNT, changed, read_arm
-
-ROBOT = harness.load_robot("fd100")
 
 
 def rng():
@@ -50,12 +49,11 @@ def test_box_of_the_fd100():
 
 def test_box_of_another_arm_is_scaled_by_its_reach():
     """An arm of half the reach has a box of half the size at half the distance; one that is given stays as it is."""
-    arm = harness.load_robot("unity-arm")
-    scale = arm.reach / ROBOT.reach
-    for part, of_fd100 in zip(ReachTask().target_box(arm), ReachTask().target_box(ROBOT), strict=True):
+    scale = UNITY_ARM.reach / ROBOT.reach
+    for part, of_fd100 in zip(ReachTask().target_box(UNITY_ARM), ReachTask().target_box(ROBOT), strict=True):
         assert_allclose(part, scale * of_fd100, rtol=1e-12)
     given = ReachTask(target_center=(0.5, 0.1, 0.6), target_half_extent=(0.1, 0.2, 0.0))
-    assert_array_equal(given.target_box(arm), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
+    assert_array_equal(given.target_box(UNITY_ARM), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
 
 
 def test_box_of_the_fd100_is_the_same_bit_for_bit():

@@ -6,13 +6,13 @@ import math
 import re
 import tomllib
 from collections import Counter
-from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
 import scipy.stats
 
-ROOT = Path(__file__).parents[1]
+from tests.project import ROOT, page_of
+
 REFERENCE = ROOT / "results" / "reference"
 ALL = sorted(path.parent for path in REFERENCE.glob("**/results.json"))
 RACES = [folder for folder in ALL if json.loads((folder / "results.json").read_text()).get("choosing")]
@@ -29,17 +29,17 @@ QUOTED_P = re.compile(r"corrected p (< )?(\d\.\d+)")
 QUOTED_BOUNDS = re.compile(r"([-+][\d.]+) to ([-+][\d.]+)")
 
 
-def page_of(folder):
+def page_about(folder):
     """The page that tells of a record; those in one folder share one, as do those of what the sources leave open."""
     if folder.parent != REFERENCE:
-        return (ROOT / "docs" / "studies" / f"{folder.parent.name}.md").read_text()
+        return page_of(f"studies/{folder.parent.name}")
     name = "arp-2021-settings" if folder.name.startswith("arp-2021-") else folder.name
-    return (ROOT / "docs" / f"{name}.md").read_text()
+    return page_of(name)
 
 
 def records_of(folder):
     """All records that the same page tells of."""
-    return [other for other in FOLDERS if page_of(other) == page_of(folder)]
+    return [other for other in FOLDERS if page_about(other) == page_about(folder)]
 
 
 def comparisons_of(record):
@@ -92,7 +92,7 @@ def test_page_says_what_the_record_holds(subtests):
     """
     for folder in FOLDERS:
         with subtests.test(folder=folder):
-            page, summary = page_of(folder), f"results/reference/{folder.relative_to(REFERENCE)}/summary.md"
+            page, summary = page_about(folder), f"results/reference/{folder.relative_to(REFERENCE)}/summary.md"
             if summary in page.partition("## Every row")[2]:
                 page += (ROOT / summary).read_text()
             missing = [
@@ -116,7 +116,7 @@ def test_page_gives_the_answer_of_the_record(subtests):
     for folder in FOLDERS:
         with subtests.test(folder=folder):
             page, answers = (
-                page_of(folder),
+                page_about(folder),
                 Counter((it["proposed"], it["headline"]["answer"]) for it in combinations(folder)),
             )
             counted = [line for line in page.splitlines() if line.startswith(f"| {folder.name} |")]
@@ -181,7 +181,7 @@ def test_page_claims_what_a_test_found(subtests):
     for folder in FOLDERS:
         with subtests.test(folder=folder):
             known, plain = (set().union(*map(told, records_of(folder))) for told in (corrected, bounds))
-            assert unfounded(page_of(folder), known, plain) == []
+            assert unfounded(page_about(folder), known, plain) == []
 
 
 @pytest.mark.parametrize(
@@ -297,7 +297,7 @@ def test_published_etas_are_those_of_the_published_sums():
 def test_page_quotes_the_published_table():
     """As the sources print it, rounded."""
     published = tomllib.loads((REFERENCE / "arp-2021" / "published.toml").read_text())
-    page = (ROOT / "docs" / "arp-2021.md").read_text()
+    page = page_of("arp-2021")
     assert f"| eta_N | {three(published['eta_n'])} |" in page
     assert f"| eta_P | {three(published['eta_p'])} |" in page
     for side, title in (("baseline", "baseline"), ("proposed", "ARP")):

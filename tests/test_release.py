@@ -2,12 +2,11 @@
 
 import re
 import tomllib
-from pathlib import Path
 
 import harness
 from harness.registry.spec import API_VERSION
+from tests.project import ROOT, page_of
 
-ROOT = Path(__file__).parents[1]
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
 
 
@@ -19,7 +18,7 @@ def test_citation_names_the_version_that_is_built():
 def test_the_package_and_the_pages_name_the_version_that_is_built():
     """harness.__version__, and the status on the first page."""
     assert harness.__version__ == VERSION
-    assert f"This is version {VERSION}." in (ROOT / "docs/index.md").read_text()
+    assert f"This is version {VERSION}." in page_of("index")
 
 
 def test_changelog_has_the_version_with_its_date():
@@ -39,7 +38,7 @@ def test_new_plugins_are_written_for_these_interfaces():
     """The scaffold's, those of the examples that state a version, and the one that the page shows."""
     folders = ("examples", "plugins")
     texts = [path.read_text() for folder in folders for path in (ROOT / folder).rglob("plugin.py*")]
-    texts.append((ROOT / "docs/plugins.md").read_text())
+    texts.append(page_of("plugins"))
     stated = {int(it) for text in texts for it in re.findall(r"^harness_api = (\d+)", text, re.MULTILINE)}
     assert stated == {API_VERSION}
 

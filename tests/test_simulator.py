@@ -4,12 +4,11 @@ from typing import ClassVar
 
 import pytest
 
-from harness import load_registry
 from harness.env.vector_env import World
 from harness.simulator import family_of
 from tests.heavy_arms import Heavy
+from tests.registered import REGISTRY
 
-REGISTRY = load_registry()
 FAMILIES = {
     "dm_control": "MuJoCo", "drake": "Drake", "kinematic": None, "mjx": "MuJoCo", "mujoco": "MuJoCo",
     "physx": "PhysX", "pybullet": "Bullet",

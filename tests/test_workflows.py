@@ -1,12 +1,12 @@
 """What the workflows may do and what they run: a release is built where nothing can be published."""
 
 import re
-from pathlib import Path
 
 import pytest
 import yaml
 
-ROOT = Path(__file__).parents[1]
+from tests.project import ROOT
+
 WORKFLOWS = sorted(ROOT.glob(".github/workflows/*.yml"))
 PINNED = re.compile(r"[\w-]+/[\w-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+")
 DIGESTS = "sha256sum dist/* build/sbom/*.json"

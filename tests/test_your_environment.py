@@ -5,7 +5,6 @@ import re
 import runpy
 import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -13,9 +12,10 @@ import pytest
 
 from harness.cli.app import main
 from harness.record import read_recording
+from tests.project import ROOT, page_of
 
-DOCS = Path(__file__).parents[1] / "docs"
-PAGE = "".join((DOCS / f"{name}.md").read_text() for name in ("your-environment", "recording"))
+DOCS = ROOT / "docs"
+PAGE = "".join(page_of(name) for name in ("your-environment", "recording"))
 EXAMPLES = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
 STEPS = 64
 VERDICT = "from harness import RecordRewards, evaluate_policy"

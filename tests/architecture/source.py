@@ -4,9 +4,9 @@ import ast
 import re
 from functools import cache
 from graphlib import TopologicalSorter
-from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from tests.project import ROOT
+
 TOPS = {"harness": "harness", "plugins": "harness_plugins", "robots": "harness_robots"}
 """Our folders, and what the packages in them are called."""
 FORK = re.compile(

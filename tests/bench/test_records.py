@@ -2,13 +2,12 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 from tests.bench.records import FIGURE, Record, draw_records, main, read_records
+from tests.project import ROOT
 
-ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "results" / "reference" / "bench"
 RECORD = Record(
     "2026-01-31", "0.1.0", "12345678", "a CPU, 2 cores", {}, {"mujoco: one env": {"ratio": 0.8, "at_least": 0.4}}

@@ -2,7 +2,6 @@
 
 import contextlib
 import textwrap
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,8 +10,9 @@ from harness.experiment.workers.order import read_order
 from harness.experiment.workers.workers import News
 from harness.record import partial_folder
 from harness_plugins.kit.inspection.inspection import OUTPUT
+from tests.project import ROOT
 
-BLACK_BOX = Path(__file__).parents[2] / "examples" / "log-format" / "black_box.py"
+BLACK_BOX = ROOT / "examples" / "log-format" / "black_box.py"
 HOOKS = """
 import harness
 

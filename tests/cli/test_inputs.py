@@ -4,10 +4,10 @@ import shutil
 
 import pytest
 
-from harness import load_registry
 from harness.cli.app import build_app
 from harness.cli.flags.inputs import FITTING
 from tests.cli.test_refused import place  # noqa: F401 the folders of these lines
+from tests.registered import REGISTRY
 
 PATHS = {
     "report": ["mine", "env", "runs", "logs", "minari:m", "rec"],
@@ -27,9 +27,9 @@ def flags_of(command):
     from typer.main import get_command_from_info
 
     app = build_app()
-    if command in load_registry().names("commands"):  # one of a plugin
+    if command in REGISTRY.names("commands"):  # one of a plugin
         app = typer.Typer()
-        app.command(command)(load_registry().get("commands", command).load())
+        app.command(command)(REGISTRY.get("commands", command).load())
     (found,) = (it for it in app.registered_commands if it.callback.__name__ == command)
     made = get_command_from_info(found, pretty_exceptions_short=False, rich_markup_mode=None)
     return sorted(it.opts[0] for it in made.params if it.opts[0].startswith("--") and it.opts[0] != "--help")

@@ -7,12 +7,11 @@ import pytest
 from numpy.linalg import norm
 from numpy.random import default_rng
 
-import harness
 from harness.conditions.clearance import Clearance
 from harness.conditions.obstacles import NUMBERS, distance_from
 from harness.robot import Shape, link_frames
+from tests.registered import FD100 as ARM
 
-ARM = harness.load_robot("fd100")
 SHAPES = {
     "box": (0.2, 0.1, 0.3),
     "cylinder": (0.08, 0.3),

@@ -4,14 +4,13 @@ import numpy as np
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
-import harness
 from harness.conditions.clearance import MARGIN, Clearance, draw_clutter
 from harness.conditions.conditions import Conditions
 from harness.conditions.obstacles import distance_from, there
 from harness.robot import reach_position
 from harness.task import ReachTask
+from tests.registered import FD100 as ARM
 
-ARM = harness.load_robot("fd100")
 CLEARANCE = Clearance(ARM)
 CROWDED = Conditions(obstacle_count=3)
 

@@ -7,13 +7,12 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-import harness
 from harness.conditions.conditions import Conditions
 from harness.conditions.varied_robot import Factors, draw_factors, draw_robot, vary_robot
 from harness.robot import Servo, parse_urdf
 from harness.robot.energy import read_bodies
+from tests.registered import FD100 as ARM
 
-ARM = harness.load_robot("fd100")
 LINKS = len(draw_factors(Conditions(), ARM, 0).masses)
 
 

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from harness import load_registry
 from harness.algorithm import Progress, Ring, needs_goals
 from harness_plugins.kit.kits import KITS
+from tests.registered import REGISTRY
 
-REGISTRY = load_registry()
 CHECKS = {check.name: check for check in KITS["algorithms"].contract}
 SMALL = {"net_arch": (8,), "batch_size": 16}
 SELDOM = {**SMALL, "learning_starts": 50, "train_freq": 5}

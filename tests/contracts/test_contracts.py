@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import harness
-from harness import load_registry
 from harness.errors import ContractViolation, UsageError
 from harness.log.format import HEAD
 from harness.log.open_log import formats_of
@@ -19,11 +18,10 @@ from harness.robot import build_solids
 from harness_plugins.kit import CHECKS, IdealSimulator, check_contract
 from harness_plugins.kit.contract import Check, require, violations
 from harness_plugins.kit.kits import KITS
+from tests.registered import FD100 as ROBOT, REGISTRY
 
 from .mutants import metrics, trackers
 
-REGISTRY = load_registry()
-ROBOT = harness.load_robot("fd100", REGISTRY)
 FRAMES = {"sim-render", "sim-render-target"}
 DRAWS = {"task-starts", "task-targets", "task-targets-in-reach", "task-targets-count", "task-draws", "task-varies"}
 """Of a task, what looks at its starts and targets alone."""

@@ -5,7 +5,6 @@ That it keeps the contract is tested with the command that says so.
 
 import struct
 import zlib
-from pathlib import Path
 
 import pytest
 
@@ -14,8 +13,9 @@ from harness.errors import SchemaError
 from harness.log import open_logs
 from harness.log.open_log import find_logs
 from harness.registry.given import read_given
+from tests.project import ROOT
 
-FILE = Path(__file__).parents[2] / "examples" / "log-format" / "black_box.py"
+FILE = ROOT / "examples" / "log-format" / "black_box.py"
 MOST_LINES = 60
 STEPS = ((0, 1, False, 0.25, 0.75), (0, 2, True, -1.5, 0.125), (1, 1, False, 2.0, 0.5))
 

@@ -1,15 +1,15 @@
 """The checks together: their names, their words, their levels, and how many ways to be wrong they catch."""
 
 import re
-from pathlib import Path
 
 from harness.hookspecs import KINDS
 from harness_plugins.kit.contract import Check
 from harness_plugins.kit.kits import KITS
+from tests.project import ROOT
 
 from .test_mutants import ROWS
 
-DOCS = Path(__file__).parents[2] / "docs" / "contracts.md"
+DOCS = ROOT / "docs" / "contracts.md"
 PREFIXES = {"simulators": "sim-", "algorithms": "algo-"}
 """Of the others it is their kind."""
 SHARED = {"settings-frozen", "settings-json"}

@@ -2,9 +2,9 @@
 
 import re
 
-from tests.docs.pages import ROOT
+from tests.project import ROOT, page_of
 
-PAGE = (ROOT / "docs/design.md").read_text()
+PAGE = page_of("design")
 NAMED = re.compile(r"`(\w+)`\s+\(`([\w/]+\.py)`\)")
 
 

@@ -13,8 +13,10 @@ pytest.importorskip("sphinx")
 sys.path.insert(0, str(ROOT / "docs" / "site"))
 from generated_pages import MODULES, checks_page, module_page, sidebar
 
+from tests.project import ROOT, page_of
+
 DOCS = ROOT / "docs"
-INDEX = (DOCS / "index.md").read_text()
+INDEX = page_of("index")
 MOST = 50
 """Pages that a sidebar may have."""
 

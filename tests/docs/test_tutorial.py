@@ -3,9 +3,10 @@
 import pytest
 
 from harness.cli import main
-from tests.docs.pages import ROOT, blocks_of, commands_of
+from tests.docs.pages import blocks_of, commands_of
+from tests.project import ROOT, page_of
 
-TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text()
+TUTORIAL = page_of("tutorial")
 COMMANDS = [it for block in blocks_of("docs/tutorial.md", TUTORIAL) for it in commands_of(block)]
 BUDGET = ("--seeds 8", "--steps 64 --seeds 1 --evaluation-episodes 2")
 

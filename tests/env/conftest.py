@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-import harness
-from harness import load_registry
 from harness.env.vector_env import ReachVectorEnv
 from harness.record import TraceWriter, read_trace
 from harness.registry import choose
@@ -13,9 +11,8 @@ from harness.robot import reach_position
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
+from tests.registered import FD100 as ROBOT, REGISTRY
 
-ROBOT = harness.load_robot("fd100")
-REGISTRY = load_registry()
 SHORT = ReachTask(horizon=4)
 SHORT_TASK = {"name": "fd100-reach", "horizon": 23}
 UNITY = {"name": "unity-reach", "horizon": 60, "decision_period": 5}

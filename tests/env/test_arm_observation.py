@@ -5,14 +5,13 @@ import pytest
 from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 
-import harness
 from harness.env.arm_observation import ArmObservation
 from harness.env.vector_env import ReachVectorEnv
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
+from tests.registered import FD100 as ROBOT
 
-ROBOT = harness.load_robot("fd100")
 PERIOD = 0.1
 ANGLES, SPEEDS, ACCELERATIONS = slice(0, 6), slice(6, 12), slice(12, 18)
 TARGET, END_EFFECTOR, OFFSET, DISTANCE = slice(18, 21), slice(21, 24), slice(24, 27), 27

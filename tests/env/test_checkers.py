@@ -7,14 +7,14 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common import env_checker
 
-from harness import load_registry
 from harness.motion.modes import MODES
+from tests.registered import REGISTRY
 
 INNER = [f"discrete:action={mode}" for mode in MODES if mode != "discrete"]
 ACTIONS = [*MODES, *INNER]
 
 
-every_task = pytest.mark.parametrize("task", load_registry().names("tasks"))
+every_task = pytest.mark.parametrize("task", REGISTRY.names("tasks"))
 
 
 @contextmanager

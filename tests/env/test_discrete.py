@@ -5,11 +5,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-import harness
 from harness.task import ReachTask
 from harness_plugins.tasks.unity import Arp2021
-
-ARM = harness.load_robot("unity-arm")
+from tests.registered import UNITY_ARM as ARM
 
 
 def test_spaces_are_discrete(make):

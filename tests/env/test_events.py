@@ -10,12 +10,11 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
-import harness
 from harness.robot import forward, reach_position
 from harness.task import ReachTask
 from harness_plugins.tasks.unity import Arp2021, UnityReach
+from tests.registered import UNITY_ARM as ARM
 
-ARM = harness.load_robot("unity-arm")
 TARGET = np.array([[0.45, -0.45, 0.2]])
 
 

@@ -6,7 +6,6 @@ from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 from pydantic.dataclasses import dataclass
 
-import harness
 from harness import make_env
 from harness.score.scorer import pay_log
 from harness.task import Goal, ReachTask, goal_of
@@ -14,8 +13,7 @@ from harness_plugins.tasks.moving import Moving
 from harness_plugins.tasks.pose import Pose
 from tests.env.conftest import REGISTRY, build
 from tests.refusals import refused
-
-ROBOT = harness.load_robot("fd100")
+from tests.registered import FD100 as ROBOT
 
 
 class Distance(Goal):

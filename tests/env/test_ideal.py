@@ -4,10 +4,8 @@ import numpy as np
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
-import harness
 from harness_plugins.kit import IdealSimulator
-
-ROBOT = harness.load_robot("fd100")
+from tests.registered import FD100 as ROBOT
 
 
 def test_arms_that_rest_change_nothing_of_the_others():

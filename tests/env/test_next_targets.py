@@ -5,15 +5,14 @@ import pytest
 from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 
-import harness
 from harness.record.cell_log import cell_log
 from harness.robot import reach_position
 from harness.task import Targets
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 from tests.env.conftest import CountsSteps
+from tests.registered import UNITY_ARM as ARM
 
-ARM = harness.load_robot("unity-arm")
 PLACES = np.array([[0.45, -0.45, 0.2], [0.3, -0.5, 0.3], [0.5, -0.3, 0.5]])
 
 

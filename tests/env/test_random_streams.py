@@ -4,12 +4,11 @@ import numpy as np
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
-import harness
 from harness.env.random_streams import AHEAD, Streams
 from harness.task import ReachTask, Targets
 from tests.refusals import refused
+from tests.registered import FD100 as ROBOT
 
-ROBOT = harness.load_robot("fd100")
 TIP = np.array([0.5, 0.0, 0.5])
 
 

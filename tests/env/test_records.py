@@ -4,10 +4,8 @@ import numpy as np
 from numpy.linalg import norm
 from numpy.testing import assert_allclose, assert_array_equal
 
-import harness
 from harness.task import ReachTask
-
-ROBOT = harness.load_robot("fd100")
+from tests.registered import FD100 as ROBOT
 
 
 def test_recorded_terms_add_up_to_what_was_paid(recorded, make, wander):

@@ -14,8 +14,7 @@ from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from tests.env.conftest import REGISTRY, SHORT_TASK, TASKS, build
 from tests.refusals import refused
-
-ROBOT = harness.load_robot("fd100", REGISTRY)
+from tests.registered import FD100 as ROBOT
 
 
 def _moments(episode):

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-import harness
 from harness.env.ideal import IdealSimulation
 from harness.env.solid_probes import DEPTH, GAP, find_missing, missing_in_words, probes_of, require_solids
 from harness.errors import MissingSolid
 from harness.robot import Robot, build_solids, link_frames
 from harness_plugins.kit import IdealSimulator
+from tests.registered import FD100 as ROBOT
 
-ROBOT = harness.load_robot("fd100")
 PROBES = probes_of(ROBOT)
 
 

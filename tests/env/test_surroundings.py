@@ -6,15 +6,14 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-import harness
 from harness.conditions.clearance import Clearance
 from harness.conditions.varied_robot import draw_robot
 from harness.env import surroundings
 from harness.env.arm_observation import ArmObservation
 from harness.task import ReachTask
 from harness_plugins.simulators.kinematic import Kinematic
+from tests.registered import FD100 as ROBOT
 
-ROBOT = harness.load_robot("fd100")
 DOF = ROBOT.dof
 WORSE = ReachTask(
     horizon=9,

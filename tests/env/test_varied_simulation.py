@@ -5,12 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.testing import assert_allclose
 
-import harness
 from harness.env.ideal import IdealSimulation
 from harness.env.surroundings import MOST_IDLE, VariedSimulation
 from harness_plugins.kit import IdealSimulator
-
-ROBOT = harness.load_robot("fd100")
+from tests.registered import FD100 as ROBOT
 
 
 @dataclass(frozen=True)

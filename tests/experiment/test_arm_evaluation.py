@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
-import harness
-from harness import load_registry, load_robot
+from harness import load_robot
 from harness.env.vector_env import build_world
 from harness.executor import Cell
 from harness.experiment.arm_evaluation import act_of, evaluate, record_evaluation
@@ -17,9 +16,8 @@ from harness.registry import choose
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from tests.heavy_arms import Heavy
+from tests.registered import FD100 as ROBOT, REGISTRY
 
-REGISTRY = load_registry()
-ROBOT = harness.load_robot("fd100", REGISTRY)
 CELL = Cell(
     simulator=choose(REGISTRY, "simulators", "mujoco"),
     robot="fd100",

@@ -17,6 +17,7 @@ from harness.experiment.run_options import RunOptions
 from harness.record import Store, partial_folder, read_manifest
 from harness.registry import Choice
 from tests.refusals import refused
+from tests.registered import FD100
 
 OLD, NEW = "9340a572" + "0" * 56, "f96dd784" + "0" * 56
 
@@ -205,7 +206,7 @@ DRIVEN = Choice("ideal", (("drive", "servo"),), "ideal:drive=servo")
 @pytest.mark.parametrize(("simulator", "count"), [(Choice("ideal", (), "ideal"), 0), (DRIVEN, 1)])
 def test_drives_count_where_they_move_the_arm(make_cell, toys, tmp_path, simulator, count):
     """Another `[servo]` in robot.toml changes the cells whose simulator drives with it, and no others."""
-    folder = shutil.copytree(load_robot("fd100").folder, tmp_path / "arm")
+    folder = shutil.copytree(FD100.folder, tmp_path / "arm")
     cell = make_cell(simulator=simulator, robot=str(folder))
     recorded = describe_environment(cell, load_robot(folder), toys)["sources"]
     toml = folder / "robot.toml"

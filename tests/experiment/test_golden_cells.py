@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from harness import load_registry
 from harness.executor import CellOptions
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.run_cell import run_cell
 from harness.record import partial_folder, read_recording, read_trace
 from tests.arithmetic import arithmetic
+from tests.registered import REGISTRY
 
 FILE = Path(__file__).parent / "golden_cells.json"
 GOLDEN = json.loads(FILE.read_text())
@@ -37,7 +37,7 @@ KILLED_AFTER, EVERY = 100, 50
 
 def _cell(name):
     """The last cell of an experiment: under the proposed reward, where there is one."""
-    return expand(check_experiment({**COMMON, **ASKED[name]}), load_registry()).cells[-1]
+    return expand(check_experiment({**COMMON, **ASKED[name]}), REGISTRY).cells[-1]
 
 
 def _told(folder):

@@ -5,10 +5,11 @@ import shutil
 
 import pytest
 
-from harness import load_registry, load_robot
+from harness import load_registry
 from harness.experiment.installation import describe_installation, describe_workers, differences
 from harness.registry import Choice, read_given
 from tests.refusals import refused
+from tests.registered import FD100
 from tests.registry.test_given import REWARD
 
 
@@ -67,7 +68,7 @@ def test_differences_name_both_sides():
 def test_drives_are_told_where_they_move_the_arm(toys, make_cell, tmp_path, drive, same):
     """A machine whose robot.toml has other drives tells another robot, where these decide a result."""
     told = []
-    folder = shutil.copytree(load_robot("fd100").folder, tmp_path / "arm")
+    folder = shutil.copytree(FD100.folder, tmp_path / "arm")
     cell = make_cell(simulator=Choice("ideal", (("drive", drive),)), robot=str(folder))
     for latency in ("0.01", "0.02"):
         text = (folder / "robot.toml").read_text()

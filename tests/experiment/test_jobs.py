@@ -2,12 +2,12 @@
 
 import pytest
 
-from harness import load_registry
 from harness.executor import CellOptions, Job, Limits, run_job, run_jobs
 from harness.experiment.jobs import order_of
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.workers.order import read_order
 from harness.record import EVALUATION, POLICY, TRACE
+from tests.registered import REGISTRY
 
 QUICK = {"sim": "kinematic", "algo": "random,sac-fast", "reward": "arp", "seeds": 1, "steps": 320}
 QUICK |= {"evaluation_episodes": 2}
@@ -16,7 +16,7 @@ RESULTS = (TRACE, EVALUATION, f"{POLICY}/weights.safetensors")
 
 
 def _cells(experiment):
-    return expand(check_experiment(experiment), load_registry()).cells
+    return expand(check_experiment(experiment), REGISTRY).cells
 
 
 def _left(cells, folder, options):

@@ -8,11 +8,12 @@ import pytest
 import tomli_w
 
 import harness_robots
-from harness import load_registry, load_robot
+from harness import load_registry
 from harness.experiment.plan import check_experiment, expand, read_experiment
 from harness.record.store import EXPERIMENT
 from harness.registry import choose
 from tests.refusals import refused
+from tests.registered import FD100, REGISTRY, UNITY_ARM
 from tests.stores import create_store
 
 BASE = {"sim": ["ideal"], "algo": ["wander"], "reward": ["arp"]}
@@ -52,7 +53,7 @@ def test_epsilon_of_another_arm_stands_in_the_cell(toys):
     assert (own.task.label, dict(own.task.params)["epsilon"]) == ("fd100-reach", 0.05)
     epsilon = dict(other.task.params)["epsilon"]
     assert other.task.label == f"fd100-reach:epsilon={epsilon}"
-    assert epsilon == pytest.approx(0.05 * load_robot("unity-arm").reach / load_robot("fd100").reach, rel=5e-3)
+    assert epsilon == pytest.approx(0.05 * UNITY_ARM.reach / FD100.reach, rel=5e-3)
     assert _plan(toys, **{**_plan(toys, seeds=1, robot="unity-arm").resolved, "seeds": 1}).cells[0].id == other.id
     given = _plan(toys, seeds=1, robot="unity-arm", task="fd100-reach:epsilon=0.05").cells[0]
     assert (given.task.label, dict(given.task.params)["epsilon"]) == ("fd100-reach", 0.05)
@@ -359,9 +360,8 @@ def test_a_robot_that_no_path_can_be_is_refused(toys, robot):
 
 def test_drives_that_a_robot_does_not_describe_are_refused(tmp_path):
     """Before anything is written; a simulator with ideal drives takes the robot."""
-    robot = load_robot("fd100")
-    (tmp_path / "arm.urdf").write_text(robot.urdf)
+    (tmp_path / "arm.urdf").write_text(FD100.urdf)
     keys = {"algo": ["random"], "robot": str(tmp_path / "arm.urdf")}
-    assert _plan(load_registry(), sim=["mujoco:drive=ideal"], **keys).cells
+    assert _plan(REGISTRY, sim=["mujoco:drive=ideal"], **keys).cells
     with refused(r"'arm' has no drives to simulate: its robot.toml has no table \[servo\]"):
-        _plan(load_registry(), sim=["mujoco:drive=servo"], **keys)
+        _plan(REGISTRY, sim=["mujoco:drive=servo"], **keys)

@@ -12,7 +12,7 @@ from platform import machine
 import numpy as np
 import pytest
 
-from harness import load_registry, load_robot
+from harness import load_registry
 from harness.experiment.provenance import (
     blas_kernel,
     describe_environment,
@@ -22,8 +22,7 @@ from harness.experiment.provenance import (
 )
 from harness.registry import Choice, Spec
 from harness_plugins.rewards import arp
-
-ROBOT = load_robot("fd100")
+from tests.registered import FD100 as ROBOT
 
 
 def test_environment_of_a_run(make_cell, toys, monkeypatch):

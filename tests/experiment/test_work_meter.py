@@ -2,7 +2,6 @@
 
 from numpy.testing import assert_allclose
 
-from harness import load_robot
 from harness.env.vector_env import build_world
 from harness.experiment.arm_evaluation import act_of, evaluate
 from harness.log import episode_facts
@@ -10,6 +9,7 @@ from harness.policy import Uniform
 from harness.record import read_trace
 from harness.registry import choose
 from harness.robot.energy import least_work, read_bodies
+from tests.registered import FD100
 
 FLOOR = Uniform((-1.0,) * 6, (1.0,) * 6)
 
@@ -17,7 +17,7 @@ FLOOR = Uniform((-1.0,) * 6, (1.0,) * 6)
 def _world(make_cell, registry, task):
     simulator = choose(registry, "simulators", "kinematic")
     cell = make_cell(task=choose(registry, "tasks", task), simulator=simulator)
-    return build_world(cell, load_robot("fd100", registry), registry)
+    return build_world(cell, FD100, registry)
 
 
 def _left(world, folder, episodes):

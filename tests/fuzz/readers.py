@@ -59,6 +59,7 @@ from tests.fuzz.mutate import (
 from tests.plugins.audit.search.certified import whole_certificate
 from tests.record.dataset.frames import write_frames
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
+from tests.registered import FD100
 from tests.robot.test_meshes import CORNERS, collada
 from tests.stores import create_store
 
@@ -313,13 +314,12 @@ def _policies():
     hidden = (("hidden.0", 5, 4), ("hidden.1", 4, 4))
     scaling = {f"observation.{name}": np.ones(5, np.float32) for name in ("mean", "std")}
     gaussian = layers(*hidden, ("mean", 4, 2), ("log_std", 4, 2)) | scaling
-    robot = load_robot("fd100")
-    limits = JointLimits(robot.lower, robot.upper, robot.max_speed, robot.max_acceleration * 0.02, 0.02)
+    limits = JointLimits(FD100.lower, FD100.upper, FD100.max_speed, FD100.max_acceleration * 0.02, 0.02)
     return [
         SquashedGaussian(gaussian, "tanh", (-1.0, -1.0), (1.0, 1.0), "sac"),
         Greedy(layers(*hidden, ("value", 4, 3)), "relu", 3, "dqn", epsilon=0.1),
         UniformChoice(7, "floor"),
-        InverseKinematics.of(robot, limits, "movej", "ik"),
+        InverseKinematics.of(FD100, limits, "movej", "ik"),
     ]
 
 
@@ -403,7 +403,7 @@ def _odd_column(rows, rng):
 
 
 def _scene(folder):
-    write_scene(scene_of(load_robot("fd100")), folder)
+    write_scene(scene_of(FD100), folder)
     return (folder / SCENE).read_bytes()
 
 

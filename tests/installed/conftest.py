@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from tests.project import ROOT
+
 WHEEL = "HARNESS_WHEEL"
 """The environment variable that names a wheel that is built; without it the tests build one."""
 PIP = ("--disable-pip-version-check", "--quiet", "--no-input")

@@ -15,10 +15,9 @@ import pytest
 
 from harness_plugins.kit.new_plugin import kinds
 from tests.installed.conftest import make_environment
+from tests.project import ROOT
 
-EXAMPLES = {
-    path.parent.name: path.parent for path in sorted(Path(__file__).parents[2].glob("examples/*/pyproject.toml"))
-}
+EXAMPLES = {path.parent.name: path.parent for path in sorted(ROOT.glob("examples/*/pyproject.toml"))}
 EARLIER = zipfile.ZipFile(Path(__file__).parents[1] / "compatibility" / "packages_0_3.zip")
 """What `harness new-plugin` of 0.3.0 wrote of every kind, and the packages of its examples."""
 NO_TESTS = 5

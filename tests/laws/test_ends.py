@@ -31,15 +31,14 @@ from harness_plugins.audit import audit_rewards
 from harness_plugins.audit.search.place import places_in_environment, places_on_task, world_at
 from harness_plugins.kit import IdealSimulator
 from tests.refusals import refused
+from tests.registered import FD100, REGISTRY
 
-FD100 = harness.load_robot("fd100")
 SHORT = "fd100-reach:horizon=9,epsilon=0.3"
 TASKS = (SHORT, "arp-2021:horizon=12", "unity-reach:horizon=20", "cluttered-reach:horizon=9")
 CODE = """
 def ends(step):
     return 7.0 * step.terminated + 3.0 * step.truncated
 """
-REGISTRY = load_registry()
 
 
 def ends(step):

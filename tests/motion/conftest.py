@@ -8,11 +8,11 @@ import pytest
 from numpy.linalg import norm
 from numpy.random import default_rng
 
-from harness import load_robot
 from harness.robot import Robot
 from harness.robot.kinematics import build_chain
 from harness.robot.urdf import Joint
 from harness.task import Setting
+from tests.registered import FD100, UNITY_ARM
 
 PERIOD = 0.1
 SPEED, ACCELERATION = 0.8, 0.6
@@ -96,8 +96,8 @@ def elbow():
 
 
 MAKERS = {
-    "fd100": lambda: load_robot("fd100"),
-    "unity-arm": lambda: load_robot("unity-arm"),
+    "fd100": lambda: FD100,
+    "unity-arm": lambda: UNITY_ARM,
     "gantry": gantry,
     "scara": scara,
     "elbow": elbow,
@@ -119,7 +119,7 @@ def arm_of():
 @pytest.fixture(scope="session")
 def fd100():
     """The arm that this project is about."""
-    return load_robot("fd100")
+    return FD100
 
 
 @pytest.fixture(scope="session")

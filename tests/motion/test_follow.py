@@ -7,9 +7,9 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
-import harness
 from harness.motion.tip import Follower
 from harness.task import build_motion
+from tests.registered import UNITY_ARM
 
 
 @pytest.fixture(scope="module")
@@ -57,9 +57,8 @@ def test_a_joint_at_its_end_leaves_the_way_to_the_others(fd100, setting_of, cour
 
 def test_a_range_that_blocks_is_held(setting_of, course_of):
     """Driven down until it cannot go on, the unity-arm is held and stands."""
-    robot = harness.load_robot("unity-arm")
-    motion = build_motion("movel", setting_of(robot))
-    course = course_of(motion, robot.home[None], [np.array([[0.0, 0.0, -1.0]])] * 150)
+    motion = build_motion("movel", setting_of(UNITY_ARM))
+    course = course_of(motion, UNITY_ARM.home[None], [np.array([[0.0, 0.0, -1.0]])] * 150)
     assert course.held[-20:].all()
     assert_allclose(course.qpos[-1], course.qpos[-80], atol=1e-9)
 

@@ -5,13 +5,13 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
-from harness import load_registry
 from harness.motion.discrete import Discrete
 from harness.motion.modes import MODES
 from harness.registry import choose
 from harness.registry.members import parameters_of
 from harness.task import ReachTask, build_motion
 from tests.refusals import refused
+from tests.registered import REGISTRY
 
 SIZES = {"movej": 6, "movej-absolute": 6, "movel": 3, "movea": 6, "set-joints": 6, "discrete": 6}
 
@@ -93,8 +93,7 @@ def test_the_mode_within_discrete_has_its_parameters(fd100, setting_of, text, pa
 )
 def test_the_mode_within_a_task_has_its_parameters(text, action, epsilon):
     """What the task does not know belongs to its mode."""
-    registry = load_registry()
-    task = choose(registry, "tasks", text).build(registry, "tasks")
+    task = choose(REGISTRY, "tasks", text).build(REGISTRY, "tasks")
     assert (task.action, task.epsilon) == (action, epsilon)
 
 

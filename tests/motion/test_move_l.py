@@ -6,9 +6,9 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness import load_robot
 from harness.robot import forward
 from harness.task import build_motion
+from tests.registered import UNITY_ARM
 
 COUNT = 30
 UCS = "ucs_origin=0.1x0x0,ucs_x=0.1x2x0,ucs_xy=0.1x1x1"
@@ -82,7 +82,7 @@ def test_it_goes_the_way_it_is_told(driven, directions):
 
 def test_tip_speed_is_a_share_of_the_reach(fd100, setting_of):
     """0.5 m/s for the FD100, the number itself; for another arm as many of its lengths a second."""
-    small = load_robot("unity-arm")
+    small = UNITY_ARM
     for mode in ("movel", "movea"):
         speeds = [build_motion(mode, setting_of(arm)).follower.tip_speed for arm in (fd100, small)]
         assert speeds == [0.5, small.scaled(0.5)]

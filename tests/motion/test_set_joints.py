@@ -4,6 +4,7 @@ import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.task import build_motion
+from tests.registered import UNITY_ARM
 
 
 def test_the_arm_is_there_at_once(arm, setting_of, poses):
@@ -22,11 +23,8 @@ def test_it_jumps(fd100, setting_of):
 
 def test_the_unity_arm_turns_as_published(setting_of):
     """Its action times (180, 90, 180, 90, 90) degrees is the pose."""
-    from harness import load_robot
-
-    robot = load_robot("unity-arm")
     action = np.array([[0.1, -0.2, 0.3, -0.4, 1.0]])
-    move = build_motion("set-joints", setting_of(robot)).advance(robot.home[None], np.zeros((1, 5)), action)
+    move = build_motion("set-joints", setting_of(UNITY_ARM)).advance(UNITY_ARM.home[None], np.zeros((1, 5)), action)
     assert_allclose(np.degrees(move.waypoints[0]), action * [180.0, 90.0, 180.0, 90.0, 90.0])
 
 

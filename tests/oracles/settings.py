@@ -2,26 +2,20 @@
 
 import itertools
 import json
-from functools import cache
 
 import numpy as np
 import safetensors.numpy
 from numpy.random import default_rng
 
-from harness import load_registry
 from harness.errors import HarnessError
 from harness.experiment.plan import expand, read_experiment
 from harness.policy import load_policy
 from harness.record.folder import CARD, WEIGHTS
 from tests.oracles.trial import Refused, Trial
+from tests.registered import REGISTRY
 
 SIMS, ALGOS = ("kinematic", "mujoco"), ("sb3-sac", "td3", "random")
 REWARDS = {"arp": {"k2": 1.5}, "dense": {}, "sparse": {}}
-
-
-@cache
-def _registry():
-    return load_registry()
 
 
 def _asked(read):
@@ -69,7 +63,7 @@ def _sortable(cell):
 
 
 def _read_experiment(path):
-    plan = expand(read_experiment(path, {}), _registry())
+    plan = expand(read_experiment(path, {}), REGISTRY)
     found = []
     for cell in plan.cells:
         k2 = dict(cell.reward.params).get("k2") if cell.reward.name == "arp" else None

@@ -5,13 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from harness import load_registry, load_robot
 from harness.payoff.rollout import record_rollouts
 from harness.registry import choose
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
-
-REGISTRY = load_registry()
+from tests.registered import FD100, REGISTRY
 
 
 @dataclass(frozen=True)
@@ -66,7 +64,7 @@ BASELINE, ARP = named("baseline"), named("arp")
 @pytest.fixture(scope="session")
 def robot():
     """The FD100."""
-    return load_robot("fd100")
+    return FD100
 
 
 @pytest.fixture(scope="session")

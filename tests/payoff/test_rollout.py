@@ -7,7 +7,7 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_equal
 
-from harness import load_registry, load_robot
+from harness import load_robot
 from harness.env.vector_env import ReachVectorEnv
 from harness.errors import UsageError
 from harness.experiment.arm_evaluation import EVALUATION_SEED
@@ -28,8 +28,7 @@ from harness_plugins.tasks.pose import Pose
 from harness_plugins.tasks.unity import UnityReach as Unity
 from tests.heavy_arms import Heavy
 from tests.refusals import refused
-
-REGISTRY = load_registry()
+from tests.registered import REGISTRY
 
 
 def test_batches_do_the_same(robot, task):

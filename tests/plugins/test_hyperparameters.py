@@ -3,10 +3,10 @@
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from harness import load_registry
 from harness.algorithm import IN_ENVIRONMENTS
 from harness.registry.members import parameters_of
 from harness_plugins.hyperparameters import MOST_ENVS, NumEnvs
+from tests.registered import REGISTRY
 
 
 def test_so_many_envs_train_at_most():
@@ -19,8 +19,8 @@ def test_so_many_envs_train_at_most():
 
 def test_every_algorithm_with_a_discount_has_the_fields_in_an_environment(subtests):
     """And declares nothing else: all other defaults are the same everywhere."""
-    for name in load_registry().names("algorithms"):
+    for name in REGISTRY.names("algorithms"):
         with subtests.test(name=name):
-            target = load_registry().get("algorithms", name).load()
+            target = REGISTRY.get("algorithms", name).load()
             has_discount = "gamma" in {parameter.name for parameter in parameters_of(target)}
             assert dict(getattr(target, IN_ENVIRONMENTS, {})) == ({"gamma": 0.99} if has_discount else {})

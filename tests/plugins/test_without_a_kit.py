@@ -14,8 +14,8 @@ from harness.experiment.screening import CANNOT_TELL, NOTHING
 from harness.registry.allowed import PROGRAMS
 from harness.registry.choice import choose
 from harness.registry.given import read_given
+from tests.registered import REGISTRY
 
-REGISTRY = load_registry()
 TRACKERS = {"tensorboard": "tensorboard", "wandb": "wandb:mode=offline"}
 """With settings with which nothing leaves this machine."""
 LONG = "a/b\\c: 'ü' \"%s\" ../.. " * 500

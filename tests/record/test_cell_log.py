@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from harness import load_registry
 from harness.executor import Cell
 from harness.log import episode_facts, open_logs
 from harness.record import RANDOM, SCALARS, TRACE, EpisodeFacts, Manifest, TraceWriter, read_trace
 from harness.record.cell_log import CellLog
 from harness.record.trace import terms_of
 from harness.registry import Choice
+from tests.registered import REGISTRY
 
 FACTS = EpisodeFacts(horizon=2, control_period=0.1)
 CELL = Cell(
@@ -20,7 +20,7 @@ CELL = Cell(
 def test_example_has_two_episodes(tmp_path):
     """Without a manifest nobody says which reward paid it."""
     path = CellLog().write_example(tmp_path)
-    (log,) = open_logs(path, load_registry())
+    (log,) = open_logs(path, REGISTRY)
     assert (log.rewards, len(log.episodes), log.facts.unit) == (("recorded",), 2, "step")
     np.testing.assert_array_equal(log["reward/recorded"], [0.0, 0.25, 0.5] * 2)
     np.testing.assert_array_equal(log["start"], [True, False, False] * 2)
@@ -44,7 +44,7 @@ def test_manifest_says_what_was_trained(tmp_path):
     with TraceWriter(tmp_path / TRACE, 2, 2, facts=FACTS, extras={"reward/near": 1, "reward/calm": 1}) as writer:
         writer.append(np.full((3, len(SCALARS) + 6), 1.0))
     Manifest(cell=CELL, status="done").write(tmp_path)
-    (trained,), (at_random,) = (open_logs(tmp_path / name, load_registry()) for name in (TRACE, RANDOM))
+    (trained,), (at_random,) = (open_logs(tmp_path / name, REGISTRY) for name in (TRACE, RANDOM))
     facts = trained.facts
     assert (facts.trained_with, facts.env, facts.algorithm, facts.seed) == ("arp:k2=1.5", "unity-reach", "ppo", 7)
     assert (facts.asked, facts.evaluation, episode_facts(trained)) == (500, False, FACTS)

@@ -3,13 +3,13 @@
 import subprocess
 import sys
 import tomllib
-from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
 
 from harness.errors import StorageError, UsageError
 from harness.record.out_folder import folder_lock, make_folder, refuse_links, storage_errors
+from tests.project import ROOT
 
 HOLD = """
 import sys
@@ -56,8 +56,7 @@ def test_one_process_does_not_hold_it_twice(tmp_path):
 
 def test_nothing_but_portable_modules_is_imported():
     """`fcntl` does not exist on Windows: whoever imports it has an answer for where it is missing."""
-    root = Path(__file__).parents[2]
-    found = [path for folder in ("harness", "plugins") for path in (root / folder).rglob("*.py")]
+    found = [path for folder in ("harness", "plugins") for path in (ROOT / folder).rglob("*.py")]
     assert found
     texts = {path: path.read_text(encoding="utf-8") for path in found}
     assert not [path for path, text in texts.items() if "import fcntl" in text.replace(GUARDED, "")]
@@ -125,7 +124,7 @@ def test_folder_may_be_a_link_itself(tmp_path):
 
 def test_versions_that_emptied_what_a_link_leads_to_are_not_allowed():
     """Before 3.20.3 whoever laid a link in time had its target emptied."""
-    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     (asked,) = (Requirement(text) for text in project["dependencies"] if text.startswith("filelock"))
     assert [version for version in ("3.16", "3.20.2", "3.20.3") if asked.specifier.contains(version)] == ["3.20.3"]
 

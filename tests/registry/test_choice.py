@@ -22,12 +22,6 @@ FEWER = settings(max_examples=50)
 """Texts that match patterns take long to draw."""
 
 
-@pytest.fixture(scope="module")
-def registry():
-    """The installed plugins."""
-    return load_registry()
-
-
 def _write(pick):
     name, params = pick
     return name + (":" + ",".join(f"{key}={value}" for key, value in params.items()) if params else "")

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from harness import load_registry, load_results
+from harness import load_results
 from harness.errors import UsageError
 from harness.executor import Cell
 from harness.experiment.plan import Plan
@@ -25,6 +25,7 @@ from harness.registry import Choice, choose
 from harness.score.compare import compare_logs
 from harness.score.open_steps import match_steps
 from harness.score.scorer import pay_log
+from tests.registered import REGISTRY
 from tests.stores import create_store
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -173,16 +174,10 @@ def _cell(simulator, reward, seed, **manner):
     return Cell(sim, "fd100", task, algorithm, _reward(reward), seed, evaluation_episodes=4, **manner)
 
 
-@functools.cache
-def _plugins():
-    """Loaded once: it takes as long as all the rest of a test."""
-    return load_registry()
-
-
 def _reward(label):
     """The reward of that label; if there is none, a choice that no registry knows."""
     try:
-        return choose(_plugins(), "rewards", label)
+        return choose(REGISTRY, "rewards", label)
     except UsageError:
         return Choice(label, (), label)
 
@@ -250,7 +245,7 @@ def _write_trace(path, episodes, paid=None):
     rows = np.concatenate(episodes)
     if paid is not None:
         known = paid if paid.params or paid.name == BASELINE else _reward(BASELINE)
-        rows[:, COLUMN["reward"]] = pay_log(known.build(_plugins(), "rewards"), _trace(rows)).total
+        rows[:, COLUMN["reward"]] = pay_log(known.build(REGISTRY, "rewards"), _trace(rows)).total
     path.write_bytes(_parquet(rows.tobytes(), rows.shape))
 
 
@@ -292,7 +287,7 @@ def compare(tmp_path):
                 lines = [",".join(line.split(",")[-columns:]) for line in (HEADER, *rows)]
                 (tmp_path / name / f"{number}.csv").write_text("\n".join(lines) + "\n")
             groups.append(match_steps(str(tmp_path / name / "*.csv")))
-        return compare_logs(groups[0], groups[1], load_registry(), **flags)
+        return compare_logs(groups[0], groups[1], REGISTRY, **flags)
 
     return compare_files
 

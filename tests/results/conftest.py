@@ -4,7 +4,7 @@ from weakref import WeakSet
 
 import pytest
 
-from harness import load_registry, load_results
+from harness import load_results
 from harness.experiment.plan import check_experiment, expand
 from harness.record import read_trace
 from tests.results.folders import ARP, ARP_RUNS, BASELINE, BASELINE_RUNS, finish
@@ -16,12 +16,6 @@ TOY = {
     "sim": "ideal", "algo": "narrate", "task": "fd100-reach:horizon=5", "seeds": 2, "steps": 12,
     "evaluation_episodes": 3, "reward": "arp,dense",
 }  # fmt: skip
-
-
-@pytest.fixture(scope="session")
-def registry():
-    """The installed plugins, their metrics above all."""
-    return load_registry()
 
 
 @pytest.fixture

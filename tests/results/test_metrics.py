@@ -11,6 +11,7 @@ from harness.record import Manifest
 from harness.report import Report, behaviour_grids, report_text
 from harness.results.metrics import load_metrics, measure, measure_of
 from harness_plugins.committed.tables import write_cells
+from tests.registered import REGISTRY
 from tests.results.folders import only
 
 HOOKS = """
@@ -151,7 +152,7 @@ def test_interrupt_is_no_failure_of_a_metric():
 
 def test_error_of_the_task_is_told_by_its_name_and_unit(make_cell):
     """Of metrics that say that they measure it; others, and other tasks, keep their own."""
-    metrics = load_metrics(load_registry(), ["final_distance", "work"])
+    metrics = load_metrics(REGISTRY, ["final_distance", "work"])
     tilt = Manifest(make_cell(), status="done", error="tilt", unit="rad")
     plain = Manifest(make_cell(), status="done")
     told = {(name, it.error): measure_of(name, metrics[name], "d", 9, it) for name in metrics for it in (tilt, plain)}

@@ -6,7 +6,6 @@ import re
 import pytest
 from numpy.testing import assert_array_equal
 
-from harness import load_registry
 from harness.errors import UsageError
 from harness.registry import choose
 from harness.reward import pay
@@ -14,6 +13,7 @@ from harness.reward.forms import FAILED, STEP, reward_class, takes_alone
 from harness.reward.terms import Needs, made_up, needs_of, shown_needs
 from harness_plugins.kit.trainings import NegativeDistance
 from tests.refusals import refused
+from tests.registered import REGISTRY
 
 
 def gentle(step):
@@ -60,8 +60,7 @@ def test_the_call_shows_what_is_read_and_paid():
 
 def test_what_wraps_a_reward_reads_what_that_reads():
     """Rewards that build on another one pass the steps on."""
-    registry = load_registry()
-    built = choose(registry, "rewards", "scaled:reward=relative").build(registry, "rewards")
+    built = choose(REGISTRY, "rewards", "scaled:reward=relative").build(REGISTRY, "rewards")
     assert needs_of(built).fields == ("distance", "previous_distance")
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pinocchio
 from numpy.random import default_rng
 
-from harness import load_registry
 from harness.registry import choose
 from harness.robot.robot import read_robot
+from tests.registered import REGISTRY
 
 BODY = (
     '<inertial><origin xyz="0 0 0.1"/><mass value="1.0"/>'
@@ -38,8 +38,7 @@ ARM = (
 
 def opened(robot, simulator):
     """One of it, in a simulator by its name."""
-    registry = load_registry()
-    return choose(registry, "simulators", simulator).build(registry, "simulators").open(robot, 1, 0.1)
+    return choose(REGISTRY, "simulators", simulator).build(REGISTRY, "simulators").open(robot, 1, 0.1)
 
 
 def changed(*pairs, text=ARM):

@@ -6,11 +6,10 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
 import harness
-from harness import load_registry
 from harness.robot.energy import GRAVITY, energy, least_work, read_bodies
 from harness.robot.robot import read_robot
+from tests.registered import REGISTRY
 
-REGISTRY = load_registry()
 SLIDER = """
 <robot name="lift">
   <link name="base"/>

@@ -5,11 +5,10 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
-import harness
 from harness.robot import forward, reach_position
 from harness.robot.kinematics import reach_pose, rotation_between
+from tests.registered import FD100 as ROBOT, UNITY_ARM
 
-ROBOT = harness.load_robot("fd100")
 COUNT = 200
 
 
@@ -70,11 +69,10 @@ def test_start_is_left_alone():
 
 def test_a_far_target_does_not_throw_the_arm():
     """From its home the unity-arm finds the published target, whose error points far beyond what the Jacobian knows."""
-    robot = harness.load_robot("unity-arm")
-    qpos, reached = reach_position(robot, np.array([[0.45, -0.45, 0.2]]), robot.home[None])
+    qpos, reached = reach_position(UNITY_ARM, np.array([[0.45, -0.45, 0.2]]), UNITY_ARM.home[None])
     assert reached.all()
-    assert (qpos >= robot.lower).all()
-    assert (qpos <= robot.upper).all()
+    assert (qpos >= UNITY_ARM.lower).all()
+    assert (qpos <= UNITY_ARM.upper).all()
 
 
 def test_poses_are_found_with_their_orientation():

@@ -1,10 +1,9 @@
 """A last joint that looks like the jaw of a gripper."""
 
-from pathlib import Path
-
 import pytest
 
 from harness.robot.robot import read_robot
+from tests.project import ROOT
 from tests.robot.brought_arms import ARM, JAW, changed, read_arm
 
 
@@ -88,6 +87,6 @@ def test_a_joint_that_moves_the_tip_aside_is_no_jaw(tmp_path):
 def test_built_in_arms_have_none(tmp_path):
     """Nor has the plain arm."""
     assert read_arm(tmp_path, ARM).warnings == ()
-    for folder in (Path(__file__).parents[2] / "robots").glob("*/"):
+    for folder in (ROOT / "robots").glob("*/"):
         if (folder / "robot.toml").exists():
             assert read_robot(folder).warnings == ()

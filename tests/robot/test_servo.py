@@ -13,6 +13,7 @@ from harness.robot import Servo
 from harness.robot.energy import energy, read_bodies
 from harness.robot.robot import read_robot
 from tests.refusals import refused
+from tests.registered import FD100
 
 URDF = """
 <robot name="arm">
@@ -174,11 +175,10 @@ def test_digest_is_that_of_the_numbers():
 
 def test_drives_count_only_where_the_arm_is_driven_by_them():
     """`Robot.digest` is what it was before there were drives; `driven_digest` has them in it."""
-    robot = harness.load_robot("fd100")
-    stronger = replace(robot, servo=replace(robot.servo, latency=0.02))
-    without = replace(robot, servo=None)
-    assert len({each.digest for each in (robot, stronger, without)}) == 1
-    assert len({each.driven_digest for each in (robot, stronger, without)}) == 3
+    stronger = replace(FD100, servo=replace(FD100.servo, latency=0.02))
+    without = replace(FD100, servo=None)
+    assert len({each.digest for each in (FD100, stronger, without)}) == 1
+    assert len({each.driven_digest for each in (FD100, stronger, without)}) == 3
     assert without.driven_digest == without.digest
 
 

@@ -13,7 +13,6 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harness
-from harness import load_registry
 from harness.robot import build_solids, link_frames
 from harness.robot.robot import read_robot
 from harness_plugins.bullet_arms import Clients, FreeArm, file_of_arm
@@ -23,6 +22,7 @@ from harness_plugins.mujoco_model import build_model
 from harness_plugins.simulators.kinematic import Kinematic
 from harness_plugins.simulators.mujoco import Mujoco
 from tests.refusals import refused
+from tests.registered import REGISTRY
 from tests.robot.brought_arms import ARM, BODY, changed, read_arm
 from tests.robot.test_meshes import CORNERS, collada
 
@@ -33,7 +33,6 @@ PUBLISHED = {
 }
 """File in pybullet_data, end effector and number of joints."""
 ARMS = [*PUBLISHED, "scara", "gantry"]
-REGISTRY = load_registry()
 ENGINES = [name for name in ("mujoco", "pybullet", "drake", "physx") if not REGISTRY.get("simulators", name).missing]
 SIMULATORS = [REGISTRY.get("simulators", name).load()() for name in (*ENGINES, "kinematic")]
 """Those that are installed; the kinematic one, which takes many poses at once, comes last."""

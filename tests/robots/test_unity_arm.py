@@ -13,10 +13,10 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
-import harness
 import harness_robots
 from harness.robot import forward
 from harness.robot.robot import read_robot
+from tests.registered import UNITY_ARM
 
 ROBOT = read_robot(harness_robots.UNITY_ARM)
 LINKS = {link.get("name"): link for link in ElementTree.fromstring(ROBOT.urdf).findall("link")}
@@ -173,7 +173,7 @@ def test_names_of_joints_and_links():
     assert ROBOT.joint_names == ("joint1", "joint2", "joint3", "joint4", "joint5")
     assert list(LINKS) == ["RobotWithColliders", "Axis01", "Axis02", "Axis03", "Axis04", "Axis05", "Axis06Tip"]
     assert (ROBOT.name, ROBOT.end_effector_link) == ("unity-arm", "Axis06Tip")
-    assert harness.load_robot("unity-arm").urdf == ROBOT.urdf
+    assert UNITY_ARM.urdf == ROBOT.urdf
 
 
 def test_only_the_colliders_of_the_original_collide():

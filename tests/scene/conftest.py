@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from harness import load_robot
 from harness.record.scene import scene_from_json
 from harness.robot.robot import read_robot
 from harness.scene.scene import scene_of, surface
+from tests.registered import FD100
 from tests.robot.test_meshes import binary_stl
 
 LINK = """<link name="{name}">
@@ -50,7 +50,7 @@ def _box_corners():
 @pytest.fixture(params=["fd100", "meshes"])
 def robot(request, tmp_path):
     """The FD100, and an arm of meshes."""
-    return load_robot("fd100") if request.param == "fd100" else meshed(tmp_path)
+    return FD100 if request.param == "fd100" else meshed(tmp_path)
 
 
 @pytest.fixture

@@ -6,10 +6,10 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_allclose
 
-from harness import load_robot
 from harness.robot.kinematics import child_frames, end_effector_position
 from harness.scene.picture import chain_of, corners_of
 from harness.scene.scene import FEWEST, GREY, TRIANGLES, scene_of
+from tests.registered import FD100
 from tests.scene.conftest import meshed
 
 RNG = default_rng(5)
@@ -36,9 +36,8 @@ def test_triangles_move_with_their_joint(robot, scene):
 
 def test_the_drawn_fd100_lies_where_its_shapes_are():
     """Its hand is drawn around the end effector, and its foot stands on the ground."""
-    robot = load_robot("fd100")
-    corners, _ = corners_of(scene_of(robot), robot.home)
-    assert norm(corners.reshape(-1, 3) - robot.end_effector(robot.home), axis=1).min() < 0.05
+    corners, _ = corners_of(scene_of(FD100), FD100.home)
+    assert norm(corners.reshape(-1, 3) - FD100.end_effector(FD100.home), axis=1).min() < 0.05
     assert corners[..., 2].min() == pytest.approx(0.0, abs=1e-9)
 
 
@@ -53,7 +52,7 @@ def test_every_triangle_faces_outwards(robot, scene):
 def test_colours_are_those_of_the_urdf(tmp_path):
     """A material that stands outside the links counts by its name."""
     assert {body.colour for body in scene_of(meshed(tmp_path)).bodies} == {"#ff0000"}
-    assert {body.colour for body in scene_of(load_robot("fd100")).bodies} == {"#33363b", "#ed6b17", "#b8babf"}
+    assert {body.colour for body in scene_of(FD100).bodies} == {"#33363b", "#ed6b17", "#b8babf"}
 
 
 def test_what_collides_stands_in_for_a_mesh_that_is_not_read(tmp_path):

@@ -19,6 +19,7 @@ from harness.score.compare import compare_logs
 from harness.score.open_steps import match_steps
 from tests.oracles.answers import first_negative_and_crossover, indices
 from tests.refusals import refused
+from tests.registered import REGISTRY
 from tests.score.conftest import HEADER, arp, write_run
 
 BASELINE, K2 = "baseline", "arp:k1=1,k2=1.5"
@@ -37,7 +38,7 @@ def groups(tmp_path):
 def compare(baseline, proposed, **given):
     """Compare all CSV files of two folders, or what two patterns match."""
     patterns = [f"{where}/*.csv" if Path(where).is_dir() else str(where) for where in (baseline, proposed)]
-    return compare_logs(*map(match_steps, patterns), load_registry(), **given).to_json()
+    return compare_logs(*map(match_steps, patterns), REGISTRY, **given).to_json()
 
 
 def write_rewards(folder, *runs):
@@ -296,7 +297,7 @@ def test_traces_and_csv_files_mix(tmp_path, groups, write_run_as_trace):
     write_run_as_trace(groups / "traces", arp(1.5), 3, "arp")
     recordings = match_steps([f"{groups}/traces/*.parquet", f"{groups}/k2/*.csv"])
     base = match_steps(f"{groups}/base/*.csv")
-    data = compare_logs(base, recordings, load_registry()).to_json()
+    data = compare_logs(base, recordings, REGISTRY).to_json()
     assert data["runs"] == {"baseline": 5, "proposed": 5}
     assert data["eta_N"]["ruler"]["value"] is not None
 
@@ -370,6 +371,6 @@ def register_rewards(register):
 def test_both_etas_are_corrected_together(groups):
     """Two claims of one comparison: no corrected p is below its own."""
     logs = (match_steps(f"{groups / name}/*.csv") for name in ("base", "k2"))
-    splits = compare_logs(*logs, load_registry()).decomposition.splits.values()
+    splits = compare_logs(*logs, REGISTRY).decomposition.splits.values()
     assert all(split.corrected >= split.p for split in splits)
     assert any(split.corrected != split.p for split in splits)

@@ -3,18 +3,11 @@
 import numpy as np
 import pytest
 
-from harness import load_registry
 from harness.errors import Unscored
 from harness.log import trace_of
 from harness.registry import Choice, choose
 from harness.score.installed_reward import InstalledReward
 from harness.score.scorer import pay_log
-
-
-@pytest.fixture(scope="module")
-def registry():
-    """The installed plugins."""
-    return load_registry()
 
 
 @pytest.fixture

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness import load_registry
 from harness.registry import choose
 from harness.reward import Sample
 from harness.score.places import ArmPay, parse_place, parse_places
 from tests.refusals import refused
+from tests.registered import REGISTRY
 
 ROWS = np.arange(12.0).reshape(2, 6)
 
@@ -73,8 +73,7 @@ REWARDS = ("baseline", "arp:k1=2,k2=1.5", "aarp", "potential")
 @given(FAR, st.integers(1, 29))
 def test_an_episode_is_paid_as_an_env_pays_it(name, far, cut):
     """Step by step with the carry, whole, or in two stretches: the same numbers."""
-    registry = load_registry()
-    reward = choose(registry, "rewards", name).build(registry, "rewards")
+    reward = choose(REGISTRY, "rewards", name).build(REGISTRY, "rewards")
     carry, best, expected = reward.initial_carry(np.array(far[:1])), far[0], []
     for step, (before, after) in enumerate(pairwise(far), 1):
         values = (far[0], best, before, after, after - best, step)

@@ -2,7 +2,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from harness import load_registry, load_robot
+from harness import load_registry
 from harness.env.vector_env import ReachVectorEnv
 from harness.record import TraceWriter
 from harness.registry import choose, read_given
@@ -12,6 +12,7 @@ from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from tests.refusals import refused
+from tests.registered import FD100
 
 HEADER = "t,beginDistance,prevBest,distance,delta_distance,reward"
 ROWS = [
@@ -88,9 +89,7 @@ def test_a_field_that_is_read_in_some_steps_alone_is_found(tmp_path):
     late.write_text(LATE)
     path = tmp_path / "trace.parquet"
     with TraceWriter(path, 6, 6) as recorder:
-        env = ReachVectorEnv(
-            IdealSimulator(), load_robot("fd100"), ReachTask(horizon=9), NegativeDistance(), recorder=recorder
-        )
+        env = ReachVectorEnv(IdealSimulator(), FD100, ReachTask(horizon=9), NegativeDistance(), recorder=recorder)
         env.reset(seed=0)
         for _ in range(9):
             env.step(np.full((1, 6), 0.5, np.float32))

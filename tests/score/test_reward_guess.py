@@ -14,12 +14,6 @@ from harness.score.open_steps import open_steps
 from tests.score.conftest import HEADER, arp, write_run
 
 
-@pytest.fixture
-def registry():
-    """The built-in plugins."""
-    return load_registry()
-
-
 def run_of(path, pay, program="K2", pace=0.2):
     """400 rows of an arm that is paid so."""
     write_run(path, pay, 0, 400, program, pace)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from harness import load_registry
 from harness.errors import UsageError
 from harness.score.open_steps import open_steps
 from tests.refusals import refused
+from tests.registered import REGISTRY
 
 
 def rewards_of(path):
@@ -67,7 +67,7 @@ def test_a_log_of_another_program_is_called_by_name(tmp_path, header):
     """It has no reward of a step."""
     path = write(tmp_path / "it.csv", header, ["-19.8,200,0.0"])
     with refused("an index needs the reward of each environment step") as raised:
-        open_steps(path, load_registry())
+        open_steps(path, REGISTRY)
     assert str(raised.value).startswith(f"{path} is Monitor of stable-baselines3: a row is an episode, and")
 
 

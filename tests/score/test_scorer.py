@@ -11,9 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 from hypothesis import given, strategies as st
 
-import harness
 import harness.score.scorer as module
-from harness import load_registry
 from harness.env.vector_env import ReachVectorEnv
 from harness.record import TraceWriter, read_trace
 from harness.record.cell_log import cell_log
@@ -27,10 +25,8 @@ from harness.score.scorer import Payer, Scorer, pay_log
 from harness.task import ReachTask
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.tasks.unity import Arp2021
+from tests.registered import FD100 as ROBOT, REGISTRY, UNITY_ARM as ARM
 
-REGISTRY = load_registry()
-ROBOT = harness.load_robot("fd100")
-ARM = harness.load_robot("unity-arm")
 REWARDS = REGISTRY.names("rewards")
 CHOICES = [*REWARDS, "arp:k1=0.3,k2=2.7", "scaled:reward=aarp,factor=0.1", "shifted:reward=(arp:k2=2),offset=-0.3"]
 ENVS = 3

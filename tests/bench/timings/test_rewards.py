@@ -4,16 +4,13 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-import harness
-from harness import load_registry
 from harness.env.vector_env import ReachVectorEnv
 from harness.registry import choose
 from harness.reward.forms import reward_class
 from harness.task import ReachTask
+from tests.registered import FD100 as ROBOT, REGISTRY
 
 pytestmark = pytest.mark.bench
-REGISTRY = load_registry()
-ROBOT = harness.load_robot("fd100", REGISTRY)
 
 
 def one(step):

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-import harness
 from harness.robot import Robot
 from harness_plugins.kit.simulators.simulations import way_into_the_ground
+from tests.registered import FD100 as ROBOT
 
-ROBOT = harness.load_robot("fd100")
 CHAIN = ROBOT.chain
 KEPT = tempfile.TemporaryDirectory()
 """Of meshes."""

@@ -5,17 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 
-import harness
-from harness import load_registry
 from harness.robot import build_solids, link_frames
 from harness.simulator import State
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.simulators.simulations import PERIOD
+from tests.registered import FD100 as ROBOT, REGISTRY
 
 from . import mutant
 
-ROBOT = harness.load_robot("fd100")
-Mujoco = load_registry().get("simulators", "mujoco").load()
+Mujoco = REGISTRY.get("simulators", "mujoco").load()
 Ideal = type(IdealSimulator().open(ROBOT, 1, PERIOD))
 SOLIDS = build_solids([*ROBOT.joint_shapes[:-1], ROBOT.joint_shapes[-1][:-1]])
 

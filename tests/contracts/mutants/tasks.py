@@ -5,15 +5,13 @@ import time
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-import harness
-from harness import load_registry
 from harness.motion.motion import Move, MoveJ
 from harness.task import Goal, ReachTask, Targets
+from tests.registered import FD100 as ROBOT, REGISTRY
 
 from . import mutant
 
-ROBOT = harness.load_robot("fd100")
-MOVING = load_registry().get("tasks", "fd100-moving").load()
+MOVING = REGISTRY.get("tasks", "fd100-moving").load()
 Seen, MovingGoal = type(ReachTask().observation(ROBOT)), type(MOVING().goal(ROBOT))
 
 

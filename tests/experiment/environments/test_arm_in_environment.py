@@ -20,8 +20,8 @@ from harness.score.scorer import pay_log
 from harness_plugins.audit.search.place import Place, world_at
 from harness_plugins.audit.transitions.environment import audit_environment
 from tests.refusals import refused
+from tests.registered import REGISTRY
 
-REGISTRY = load_registry()
 NAMES = (*REGISTRY.names("rewards"), "arp:k2=3", "scaled:reward=arp,factor=2")
 TASKS = ("fd100-reach:horizon=40", "arp-2021:horizon=60", "unity-reach", "fd100-pose", "noisy-reach", "cluttered-reach")
 STEPS = 150

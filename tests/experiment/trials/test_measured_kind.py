@@ -2,10 +2,10 @@
 
 import pytest
 
-from harness import load_registry
 from harness.experiment.plan import check_experiment, expand
 from harness.experiment.trials.measured_kind import MOST, Measured, Watched, _Enough, measure_kinds
 from harness.record.pace import kind_of
+from tests.registered import REGISTRY
 
 
 def watch(seconds_of, first=0, every=1, steps=10**6, told_every=100):
@@ -63,7 +63,7 @@ def test_evaluations_on_the_way_are_counted(make_cell):
 
 def cells(**asked):
     """One of each kind."""
-    plan = expand(check_experiment({"steps": 3_000, "seeds": 1, **asked}), load_registry())
+    plan = expand(check_experiment({"steps": 3_000, "seeds": 1, **asked}), REGISTRY)
     return [*{kind_of(cell): cell for cell in plan.cells}.values()]
 
 

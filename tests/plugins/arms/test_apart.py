@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-import harness
 from harness_plugins.arms.apart import ArmsApart
+from tests.registered import FD100 as ROBOT
 
-ROBOT = harness.load_robot("fd100")
 HOME = np.tile(ROBOT.home, (3, 1))
 
 

@@ -3,10 +3,9 @@
 from dataclasses import replace
 from xml.etree import ElementTree
 
-import harness
 from harness_plugins.arms.bare_urdf import bare_urdf
+from tests.registered import FD100 as ROBOT
 
-ROBOT = harness.load_robot("fd100")
 ENDLESS = """<robot name="endless"><link name="base"><inertial><mass value="3"/></inertial></link><link name="l"/>
 <joint name="j" type="continuous"><parent link="base"/><child link="l"/><limit lower="0" upper="0"/></joint></robot>"""
 

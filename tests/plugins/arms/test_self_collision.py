@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-import harness
 from harness_plugins.arms.self_collision import pair, pairs_apart, partners
-
-ROBOT = harness.load_robot("fd100")
+from tests.registered import FD100 as ROBOT
 
 
 def test_neighbours_are_left_out():

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-import harness
 from harness.simulator import Substeps
 from harness_plugins.arms.servo import ServoArms
+from tests.registered import FD100 as ROBOT
 
-ROBOT = harness.load_robot("fd100")
 HOME = np.tile(ROBOT.home, (2, 1))
 DELAY = 2
 """Physics steps of 0.005 s in the latency of the FD100's drives."""

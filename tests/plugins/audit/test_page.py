@@ -1,14 +1,14 @@
 """The examples of docs/audit.md: each is run as it stands there, with fewer steps."""
 
 import re
-from pathlib import Path
 
 import pytest
 
 from harness.experiment.screening import CANNOT_TELL, FAILING, LOITERING, NOTHING
 from harness.record import read_recording
+from tests.project import page_of
 
-PAGE = (Path(__file__).parents[3] / "docs" / "audit.md").read_text()
+PAGE = page_of("audit")
 CHEATED, RECORDED, ASKED = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
 WORDS = (CANNOT_TELL, FAILING, LOITERING, NOTHING)
 SHORT = ("gamma=0.99,", "gamma=0.99, episodes=1, steps=30,")

@@ -1,7 +1,6 @@
 """What the audit says of the stories in ``examples/stories``, and what ``docs/studies/stories.md`` tells of it."""
 
 import re
-from pathlib import Path
 
 import pytest
 
@@ -9,9 +8,9 @@ from harness import load_registry
 from harness.experiment.screening import FAILING, NOTHING
 from harness.registry import choose, read_given
 from harness_plugins.audit import find_cheats
+from tests.project import ROOT, page_of
 
-ROOT = Path(__file__).parents[3]
-PAGE = (ROOT / "docs" / "studies" / "stories.md").read_text()
+PAGE = page_of("studies/stories")
 STORIES = sorted((ROOT / "examples" / "stories").glob("*.py"))
 PAIR = re.compile(r"earns (\S+), .*? (\S+) \(")
 """What failing and doing the task earn, in the first sentence of an answer."""

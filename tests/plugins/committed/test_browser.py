@@ -1,15 +1,15 @@
 """The figures of records as a browser draws them: no text touches another one or a mark, and nothing is cut."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
 from harness.report.figures.chart import Chart, Note, Word, linear_axis
 from harness_plugins.committed import TitledChart, draw_svg
+from tests.project import ROOT
 
 pytestmark = pytest.mark.slow
-REFERENCE = Path(__file__).parents[3] / "results" / "reference"
+REFERENCE = ROOT / "results" / "reference"
 FIGURES = sorted(REFERENCE.rglob("*.svg"))
 BOXES = """(kind) => [...document.querySelectorAll(kind)].map((it) => {
   const box = it.getBoundingClientRect()

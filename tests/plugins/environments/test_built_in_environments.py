@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Box, Dict
 
-from harness import load_registry
 from harness.environment import goal_rewards
 from harness.registry import choose
 from harness_plugins.kit import check_contract
 from tests.refusals import refused
+from tests.registered import REGISTRY
 
 GIVEN = (
     "gymnasium:id=Pendulum-v1",
@@ -33,8 +33,7 @@ def _built(given):
     missing = [name for name in NEEDS.get(given.partition(":")[0], ()) if importlib.util.find_spec(name) is None]
     if missing:
         pytest.skip(f"needs {', '.join(missing)}")
-    registry = load_registry()
-    return choose(registry, "environments", given).build(registry, "environments")
+    return choose(REGISTRY, "environments", given).build(REGISTRY, "environments")
 
 
 @pytest.mark.parametrize("given", GIVEN)

@@ -13,12 +13,12 @@ import psutil
 import pytest
 
 import harness
-from harness import load_registry
 from harness.executor import CellOptions, Job, run_jobs
 from harness.experiment.plan import Experiment, expand
 from harness.record import LOG, MANIFEST, Store
 from harness_plugins.executors.ray import Ray
 from tests.refusals import refused
+from tests.registered import REGISTRY
 
 pytestmark = pytest.mark.slow
 
@@ -174,7 +174,7 @@ def test_killed_processes_and_nodes_lose_nothing(two_nodes, tmp_path, place):
         sim=["kinematic"], algo=["random"], reward=["arp"], seeds=20, steps=4_000, evaluation_episodes=2,
         task="fd100-reach:horizon=50",
     )  # fmt: skip
-    cells = expand(matrix, load_registry()).cells
+    cells = expand(matrix, REGISTRY).cells
     assert len(cells) == 40
     run_jobs(_jobs(cells, tmp_path / "processes"), 2, lambda event: None)
     ended, rng = threading.Event(), random.Random(7)

@@ -19,6 +19,7 @@ from harness_plugins.kit.new_plugin import (
     package_files,
     write_package,
 )
+from tests.project import ROOT
 from tests.refusals import refused
 
 MOST_LINES = 15
@@ -79,7 +80,7 @@ def test_package_is_complete(kind):
 
 def test_code_is_clean(tmp_path):
     """Nothing to say for ruff, with its own settings: the formatter, and the rules that this project has."""
-    rules = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())["tool"]["ruff"]["lint"]
+    rules = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["ruff"]["lint"]
     select, ignore = ",".join(rules["select"]), ",".join(rules["ignore"])
     own = ("--select", select, "--ignore", ignore, "--config", "lint.pydocstyle.convention='google'")
     ruff = [shutil.which("ruff", path=str(Path(sys.executable).parent)) or "ruff"]

@@ -3,16 +3,15 @@
 import subprocess
 import sys
 import tomllib
-from pathlib import Path
 
 import pytest
 
 import harness
 from harness_plugins.kit.opened import train_cell
+from tests.project import ROOT, page_of
 
 PLUGIN = "harness.pytest_plugin"
 """What people type after ``-p``; the module stands elsewhere."""
-ROOT = Path(__file__).parents[3]
 ONCE = {"sim": "kinematic", "algo": "random", "reward": "arp", "steps": 4, "evaluation_episodes": 1}
 
 
@@ -149,5 +148,5 @@ def test_pytest_finds_it_by_its_entry_point():
 
 def test_the_fixtures_are_those_of_the_page(pytester):
     """The last snippet of docs/authoring.md passes as it stands."""
-    page = (ROOT / "docs" / "authoring.md").read_text()
+    page = page_of("authoring")
     _passes(pytester, page.rsplit("```python\n", 1)[1].split("```")[0], "--benchmark-disable", passed=3)

@@ -1,9 +1,9 @@
 """Files are written, and read by a format that recognises them."""
 
-from harness import load_registry
 from harness.log.open_log import formats_of
+from tests.registered import REGISTRY
 
-FORMATS = formats_of(load_registry())
+FORMATS = formats_of(REGISTRY)
 
 
 class Reader:

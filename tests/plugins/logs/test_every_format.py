@@ -5,10 +5,10 @@ import os
 import numpy as np
 import pytest
 
-from harness import load_registry
 from harness.errors import HarnessError
 from harness.log import open_logs
 from tests.plugins.logs.reading import FORMATS
+from tests.registered import REGISTRY
 
 STRIDE = 7
 """Bytes from one cut to the next; rows are longer."""
@@ -67,7 +67,7 @@ def test_a_table_is_recognised_by_one_format_alone(tmp_path, rows, name):
 
 def test_an_example_has_returns_or_success_in_every_row(made):
     """Through the door that all logs come in by, with finite numbers."""
-    for log in open_logs(made[1], load_registry()):
+    for log in open_logs(made[1], REGISTRY):
         assert len(log) > 1
         assert "reward/recorded" in log
         assert all(np.isfinite(log[column]).all() for column in log.columns if column != "since")

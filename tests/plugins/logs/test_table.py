@@ -2,11 +2,11 @@
 
 import pytest
 
-from harness import load_registry
 from harness.errors import AskedError, SchemaError, UsageError
 from harness.log import open_logs
 from harness.log.open_log import find_logs
 from tests.plugins.logs.reading import Reader
+from tests.registered import REGISTRY
 
 read = Reader("table", "own.csv")
 TIDY = "".join(f"{name},{seed},{at},{at - 5},10\n" for name in ("base", "prop") for seed in (0, 1) for at in range(3))
@@ -231,7 +231,7 @@ def test_a_column_that_may_name_trainings_is_asked_about(tmp_path):
         read.make(reward="mine", only="place=c").read(path)
     path = read.written(tmp_path, f"mode,total_steps,success\n{CURVES}")
     with pytest.raises(AskedError, match=r"only=mode=b' reads those of one$"):
-        find_logs(tmp_path, load_registry())
+        find_logs(tmp_path, REGISTRY)
 
 
 def test_charts_that_lie_beside_one_another_are_joined_by_run(tmp_path):
@@ -240,7 +240,7 @@ def test_charts_that_lie_beside_one_another_are_joined_by_run(tmp_path):
         names = ",".join(f'"{run} - {tag}{end}"' for run in ("base_0", "prop_0") for end in ("", "__MIN", "__MAX"))
         rows = "\n".join(f'"{step}",' + ",".join(['"0.5"'] * 6) for step in (100, 200))
         (tmp_path / f"wandb_export_{number}.csv").write_text(f'"global_step",{names}\n{rows}')
-    logs = find_logs(tmp_path, load_registry()).logs
+    logs = find_logs(tmp_path, REGISTRY).logs
     assert [log.facts.run for log in logs] == ["base_0", "prop_0"]
     assert all({"reward/recorded", "behaviour/success"} <= {*log.columns} for log in logs)
 
@@ -249,6 +249,6 @@ def test_a_format_of_earlier_versions_says_what_to_type(tmp_path):
     """With the settings that were typed, which then do what they did."""
     path = read.written(tmp_path, "rounds,points\n1,2\n2,3\n")
     with pytest.raises(UsageError, match=r"'progress-csv' is gone: .* Type --as 'table:reward=points'"):
-        open_logs(path, load_registry(), "progress-csv:reward=points")
-    [log] = open_logs(path, load_registry(), "table:reward=points")
+        open_logs(path, REGISTRY, "progress-csv:reward=points")
+    [log] = open_logs(path, REGISTRY, "table:reward=points")
     assert (log.facts.reader, log["reward/recorded"].tolist()) == ("table", [2, 3])

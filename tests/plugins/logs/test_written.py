@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness import load_registry
 from harness.errors import SchemaError
 from harness.log import open_logs
 from harness.log.open_log import find_logs
+from tests.registered import REGISTRY
 
 WRITTEN = Path(__file__).parent / "written"
 RISING = [-10.0, -9.0, -8.0, -7.0, -6.0]
@@ -51,7 +51,7 @@ OF_RLLIB = {
 )  # fmt: skip
 def test_what_a_program_wrote_is_read(name, seed, columns):
     """Through the door that all logs come in by, and nothing in it is read a second time."""
-    [log] = find_logs(WRITTEN / name, load_registry()).logs
+    [log] = find_logs(WRITTEN / name, REGISTRY).logs
     assert log.facts.seed == seed
     assert log.facts.env == "CartPole-v1" * name.startswith("rllib")
     assert {*log.columns} == {*columns}
@@ -61,7 +61,7 @@ def test_what_a_program_wrote_is_read(name, seed, columns):
 
 def test_a_run_of_mlflow_has_the_name_that_it_was_given():
     """Its folder is called by a hash."""
-    [log] = open_logs(WRITTEN / "mlflow", load_registry())
+    [log] = open_logs(WRITTEN / "mlflow", REGISTRY)
     assert log.facts.run == "base_1"
 
 
@@ -72,7 +72,7 @@ def test_a_file_of_a_curve_that_is_damaged_is_refused_by_its_line(tmp_path):
     file = copy / "scalars/train/success_rate.csv"
     file.write_text("1000,0.5\n2000,x\n3000,0.5\n")
     with pytest.raises(SchemaError, match=r"success_rate\.csv, line 2: column .* holds x"):
-        open_logs(copy, load_registry())
+        open_logs(copy, REGISTRY)
     file.write_text("1000,0.5\n2000,0.25\n3000,0.")
-    [log] = open_logs(copy, load_registry())
+    [log] = open_logs(copy, REGISTRY)
     assert log["iteration"].tolist() == [1000, 2000]

@@ -12,6 +12,7 @@ from harness.env.ideal import IdealSimulation
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.parity import Setting, compare_simulators, parity_table
 from harness_plugins.parity.contenders import Contenders
+from tests.registered import FD100
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,7 @@ def printed():
 @pytest.fixture(scope="session")
 def robot():
     """The FD100."""
-    return load_robot("fd100")
+    return FD100
 
 
 @pytest.fixture(scope="session", params=["fd100", "unity-arm"])

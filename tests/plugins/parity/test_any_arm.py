@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from harness import load_registry
 from harness.robot import build_solids, link_frames
 from harness.robot.robot import read_robot
 from harness_plugins.parity import Setting, choose_contenders, compare_simulators
 from harness_plugins.parity.motions import GroundClearance
 from harness_plugins.parity.orders import draw_orders
+from tests.registered import REGISTRY
 
 SETTING = {"steps": 30, "episodes": 2}
 SHALLOW = 0.01
@@ -105,7 +105,7 @@ def named(request, tmp_path):
 def test_no_arm_is_refused(named, printed):
     """All classes are measured in all engines, but what an arm cannot do at all, which is told; the arms do move."""
     name, robot = named
-    contenders = choose_contenders(load_registry(), ["kinematic", "mujoco", "pybullet"], None)
+    contenders = choose_contenders(REGISTRY, ["kinematic", "mujoco", "pybullet"], None)
     found = compare_simulators(contenders, Setting(robot, **SETTING))
     assert not found.failed
     assert set(found.told) == ALL - LEFT_OUT.get(name, set())
@@ -129,9 +129,7 @@ def test_an_arm_that_lies_low_is_moved_by_its_solids(named, printed):
     slow = orders.classes["slow"].reshape(-1, robot.dof)
     assert GroundClearance(robot, "solids").is_clear(slow).all()
     assert not GroundClearance(robot).is_clear(slow).all()
-    found = compare_simulators(
-        choose_contenders(load_registry(), ["kinematic", "mujoco"], None), Setting(robot, **SETTING)
-    )
+    found = compare_simulators(choose_contenders(REGISTRY, ["kinematic", "mujoco"], None), Setting(robot, **SETTING))
     assert "Near the ground: " in printed(found)
     assert found.to_json()["near_ground"]["slow"] == "solids"
 
@@ -180,7 +178,7 @@ def test_public_arms_are_measured(name):
     if not found:
         pytest.skip(f"no installed package has {PUBLIC[name]}")
     robot = read_robot(found[0])
-    contenders = choose_contenders(load_registry(), ["kinematic", "mujoco", "pybullet"], None)
+    contenders = choose_contenders(REGISTRY, ["kinematic", "mujoco", "pybullet"], None)
     parity = compare_simulators(contenders, Setting(robot, steps=60, episodes=2))
     assert not parity.failed
     assert set(parity.told) == ALL

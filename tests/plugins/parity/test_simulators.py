@@ -4,8 +4,8 @@ from itertools import combinations
 
 import pytest
 
-from harness import load_registry
 from harness_plugins.parity import Setting, choose_contenders, compare_simulators
+from tests.registered import REGISTRY
 
 SIMULATORS = ("mujoco", "dm_control", "pybullet", "drake", "physx", "kinematic")
 
@@ -19,10 +19,9 @@ OTHERS = ("pybullet", "drake", "physx", "kinematic")
 @pytest.fixture(scope="module")
 def parity(each_robot):
     """Those of them that are installed, with their default settings."""
-    registry = load_registry()
-    specs = [spec for name in SIMULATORS for spec in registry.specs.get(("simulators", name), ())]
+    specs = [spec for name in SIMULATORS for spec in REGISTRY.specs.get(("simulators", name), ())]
     names = [spec.name for spec in specs if not spec.missing]
-    found = compare_simulators(choose_contenders(registry, names, None), Setting(each_robot, episodes=4))
+    found = compare_simulators(choose_contenders(REGISTRY, names, None), Setting(each_robot, episodes=4))
     assert not found.failed
     return found
 
@@ -97,6 +96,6 @@ def test_slow_arms_are_within_5_mm_of_one_another(pair, one, other):
 def test_another_setting_is_another_simulator(each_robot):
     """MuJoCo at twice the substeps differs from itself, by less than from other engines."""
     pytest.importorskip("mujoco")
-    contenders = choose_contenders(load_registry(), ["mujoco,mujoco:substeps=40"], None)
+    contenders = choose_contenders(REGISTRY, ["mujoco,mujoco:substeps=40"], None)
     (pair,) = compare_simulators(contenders, Setting(each_robot, steps=60, episodes=2)).pairs
     assert 1e-7 < pair.drift.max_tip_error_m < 1e-3

@@ -12,7 +12,8 @@ import psutil
 import pytest
 from packaging.requirements import Requirement
 
-ROOT = Path(__file__).parents[3]
+from tests.project import ROOT
+
 ASK = "import sys, ray._raylet as raylet; print(raylet.GcsClient(sys.argv[1]).internal_kv_keys(b'', b'session', 10))"
 
 

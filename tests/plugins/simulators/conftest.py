@@ -10,15 +10,12 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
-import harness
-from harness import load_registry
 from harness.motion.motion import MoveJ
 from harness.robot import parse_urdf
 from harness.robot.shapes import attach_shapes, read_shapes
 from harness.simulator import State
+from tests.registered import FD100 as ROBOT, REGISTRY
 
-REGISTRY = load_registry()
-ROBOT = harness.load_robot("fd100")
 PERIOD = 0.1
 FALLEN = np.radians([[0.0, 120.0, 0.0, 0.0, 0.0, 0.0]])
 """A pose deep in the ground, (1, dof)."""

@@ -13,10 +13,9 @@ from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
 import harness
-from harness import load_registry
 from harness.record import TraceWriter, read_trace
+from tests.registered import REGISTRY
 
-REGISTRY = load_registry()
 SIMULATORS = REGISTRY.names("simulators")
 TASKS = {"driven": "fd100-reach:horizon=12,epsilon=0.15", "set": "unity-reach:horizon=17"}
 

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 import harness
 from tests.plugins.simulators.conftest import FALLEN, PERIOD, home, open_simulator, press
 from tests.refusals import refused
+from tests.registered import FD100
 
 pytestmark = pytest.mark.usefixtures("installed")
 
@@ -33,7 +34,7 @@ def largest_difference(robot, periods):
 
 def test_tip_is_that_of_mujoco():
     """Over 100 periods in the air both are the same to a nanometre: 4e-16 m was measured, a tenth of a mm is asked."""
-    assert largest_difference(harness.load_robot("fd100"), 100) < 1e-9
+    assert largest_difference(FD100, 100) < 1e-9
 
 
 @pytest.mark.slow

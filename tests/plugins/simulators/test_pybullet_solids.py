@@ -10,11 +10,11 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
-import harness
 from harness.errors import MissingSolid
 from harness.robot import build_solids, link_frames
 from harness.robot.robot import read_robot
 from harness_plugins.simulators.pybullet import PyBullet
+from tests.registered import FD100
 
 CORNERS = np.array([[x, y, z] for x in (-0.03, 0.03) for y in (-0.03, 0.03) for z in (0.0, 0.3)])
 """Of a rod, [m]."""
@@ -163,7 +163,7 @@ def test_a_solid_that_bullet_drops_is_an_error_that_names_the_link(rods, open_ar
 
 def test_the_arm_of_primitive_shapes_is_read_as_it_was(open_arms):
     """No margin is changed, and no shape is written anew."""
-    simulation = open_arms(harness.load_robot("fd100"))
+    simulation = open_arms(FD100)
     (own,) = simulation.arms
     kinds = {
         shape[2]

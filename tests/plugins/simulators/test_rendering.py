@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 import pytest
 
-import harness
 from harness_plugins.mujoco_model import Renderer, build_model
 from tests.refusals import refused
+from tests.registered import FD100
 
 UNUSABLE = ("glfw", "off", "nonsense", "osmesa")
 """Values of MUJOCO_GL that render nothing on a machine without a display and without OSMesa."""
@@ -156,7 +156,6 @@ def test_macos_and_windows_choose_nothing(monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("MUJOCO_GL", raising=False)
     monkeypatch.setattr(mujoco, "GLContext", fail, raising=False)
-    robot = harness.load_robot("fd100")
-    renderer = Renderer(build_model(robot, 0.005, 100.0), robot)
+    renderer = Renderer(build_model(FD100, 0.005, 100.0), FD100)
     with refused(r"this is no Linux\): leave MUJOCO_GL unset"):
-        renderer.frame(robot.home, np.zeros(3), 64, 48)
+        renderer.frame(FD100.home, np.zeros(3), 64, 48)

@@ -4,14 +4,12 @@ import numpy as np
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-import harness
 from harness.robot import reach_position
 from harness.simulator import GroundContact
 from harness_plugins.tasks.low import Low
 from harness_plugins.tasks.small_target import SmallTarget
+from tests.registered import FD100 as ROBOT, UNITY_ARM
 from tests.robot.brought_arms import changed, read_arm
-
-ROBOT = harness.load_robot("fd100")
 
 
 def test_targets_are_low_and_can_be_touched():
@@ -25,11 +23,10 @@ def test_targets_are_low_and_can_be_touched():
 
 def test_box_of_another_arm_is_scaled_by_its_reach():
     """As that of `fd100-reach`; one that is given stays as it is."""
-    arm = harness.load_robot("unity-arm")
-    scale = arm.reach / ROBOT.reach
-    assert_allclose(Low().target_box(arm), scale * np.array(Low().target_box(ROBOT)), rtol=1e-12)
+    scale = UNITY_ARM.reach / ROBOT.reach
+    assert_allclose(Low().target_box(UNITY_ARM), scale * np.array(Low().target_box(ROBOT)), rtol=1e-12)
     given = Low(target_center=(0.5, 0.1, 0.6), target_half_extent=(0.1, 0.2, 0.0))
-    assert_array_equal(given.target_box(arm), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
+    assert_array_equal(given.target_box(UNITY_ARM), [(0.5, 0.1, 0.6), (0.1, 0.2, 0.0)])
 
 
 def test_box_stays_at_the_ground_and_follows_a_mount_aside(tmp_path):

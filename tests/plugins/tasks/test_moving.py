@@ -6,15 +6,14 @@ from hypothesis import given, strategies as st
 from numpy.linalg import norm
 from numpy.testing import assert_allclose
 
-import harness
 from harness.env.arm_observation import kinematics_policy
 from harness.env.vector_env import ReachVectorEnv
 from harness.task import Situation
 from harness_plugins.kit import IdealSimulator
 from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.tasks.moving import Moving
+from tests.registered import FD100 as ROBOT
 
-ROBOT = harness.load_robot("fd100")
 WAYS = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(lambda way: np.array([way]))
 STEPS = st.integers(0, 1000).map(lambda step: np.array([float(step)]))
 

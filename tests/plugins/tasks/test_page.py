@@ -1,11 +1,9 @@
 """docs/tasks.md."""
 
-from pathlib import Path
+from tests.project import page_of
+from tests.registered import REGISTRY
 
-from harness import load_registry
-
-REGISTRY = load_registry()
-PAGE = (Path(__file__).parents[3] / "docs" / "tasks.md").read_text()
+PAGE = page_of("tasks")
 BUILT_IN = [name for name in REGISTRY.names("tasks") if REGISTRY.get("tasks", name).plugin == "tasks"]
 
 

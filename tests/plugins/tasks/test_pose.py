@@ -9,13 +9,12 @@ from numpy.linalg import norm
 from numpy.random import default_rng
 from numpy.testing import assert_array_equal
 
-import harness
 from harness.robot import forward
 from harness.robot.kinematics import rotation_between
 from harness.task import Situation
 from harness_plugins.tasks.pose import Pose
+from tests.registered import FD100 as ROBOT
 
-ROBOT = harness.load_robot("fd100")
 POSES = st.lists(st.floats(0.0, 1.0), min_size=ROBOT.dof, max_size=ROBOT.dof).map(
     lambda share: (ROBOT.lower + np.array(share) * (ROBOT.upper - ROBOT.lower))[None]
 )

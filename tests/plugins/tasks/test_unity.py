@@ -14,8 +14,8 @@ from harness_plugins.kit.trainings import NegativeDistance
 from harness_plugins.tasks import unity
 from harness_plugins.tasks.unity import Arp2021, UnityReach
 from tests.refusals import refused
+from tests.registered import UNITY_ARM as ARM
 
-ARM = harness.load_robot("unity-arm")
 DEGREES = np.array([180.0, 90.0, 180.0, 90.0, 90.0])
 UNITY_START_TIP = (-0.185766, 1.049303, 0.1233658)
 """Of the fixed start, as its experimenters wrote it down, Unity's frame."""

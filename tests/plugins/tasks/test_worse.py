@@ -2,11 +2,9 @@
 
 import pytest
 
-from harness import load_registry
 from harness.registry import choose
 from harness_plugins.tasks.worse import ClutteredReach, DelayedReach, NoisyReach, VariedReach
-
-REGISTRY = load_registry()
+from tests.registered import REGISTRY
 
 
 @pytest.mark.parametrize("name", ["noisy-reach", "delayed-reach", "cluttered-reach", "varied-reach"])

@@ -1,18 +1,17 @@
 """docs/writing/task.md: the task that is not a reach."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import harness
 from harness.env.arm_observation import why_not_kinematics
 from harness.task import Situation
 from harness_plugins.kit import check_contract
+from tests.project import page_of
+from tests.registered import FD100 as ROBOT
 
-PAGE = (Path(__file__).parents[3] / "docs" / "writing" / "task.md").read_text()
-ROBOT = harness.load_robot("fd100")
+PAGE = page_of("writing/task")
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness import load_registry, load_results, load_robot
+from harness import load_registry, load_results
 from harness.errors import NewerFormat
 from harness.executor import Cell
 from harness.experiment.plan import check_experiment, expand
@@ -30,6 +30,7 @@ from harness_plugins.transfer import (
 )
 from harness_plugins.transfer.jobs import evaluate_elsewhere
 from tests.refusals import refused
+from tests.registered import FD100
 from tests.stores import create_store
 
 EASY = "fd100-reach:epsilon=0.25,horizon=40"
@@ -321,7 +322,7 @@ def test_policies_go_to_drives_that_their_robot_describes(train):
 
 def test_policies_of_a_robot_without_drives_do_not(train, tmp_path):
     """One line says what is missing, before anything is evaluated."""
-    (tmp_path / "arm.urdf").write_text(load_robot("fd100").urdf)
+    (tmp_path / "arm.urdf").write_text(FD100.urdf)
     bare = train(seeds=1, robot=str(tmp_path / "arm.urdf"))
     with refused(r"cannot be evaluated: Robot 'arm' has no drives to simulate"):
         plan_transfers(bare, "mujoco:drive=servo", load_registry())

@@ -5,22 +5,21 @@ import pytest
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness import load_registry, load_robot
 from harness.env.vector_env import ReachVectorEnv
 from harness.registry import choose
 from harness_plugins.environments.unity import Unity
 from harness_plugins.kit import IdealSimulator
 from tests.refusals import refused
+from tests.registered import REGISTRY, UNITY_ARM
 
 SEED = 7
 
 
 def own_task(reward, horizon=5000):
     """The same task in the harness itself."""
-    registry = load_registry()
-    task = choose(registry, "tasks", f"unity-reach:horizon={horizon}").build(registry, "tasks")
-    pays = choose(registry, "rewards", reward).build(registry, "rewards")
-    return ReachVectorEnv(IdealSimulator(), load_robot("unity-arm", registry), task, pays, 1)
+    task = choose(REGISTRY, "tasks", f"unity-reach:horizon={horizon}").build(REGISTRY, "tasks")
+    pays = choose(REGISTRY, "rewards", reward).build(REGISTRY, "rewards")
+    return ReachVectorEnv(IdealSimulator(), UNITY_ARM, task, pays, 1)
 
 
 def played(env, steps, seed=SEED):

@@ -16,6 +16,7 @@ from numpy.testing import assert_allclose
 from harness.record import CELLS, LOG, MANIFEST, Store
 from harness.registry.allowed import PROGRAMS
 from tests.plugins.unity_player.conftest import players_of
+from tests.registered import REGISTRY
 
 KILLS = 30
 
@@ -121,7 +122,7 @@ def test_killed_runs_and_players_lose_nothing(player, tmp_path):
 
 def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path):
     """What a recording holds is all that the rewards of an arm are functions of, in a task of a step per decision."""
-    from harness import RecordRewards, load_registry
+    from harness import RecordRewards
     from harness.registry import choose
     from harness.score.csv_steps import StepsCsv
     from harness.score.scorer import pay_log
@@ -129,7 +130,7 @@ def test_rewards_are_paid_again_from_the_exported_file(player, start, tmp_path):
     from harness_plugins.exporters.csv_runs import write_recording_csv
 
     places = "end_effector=19:22,target=22:25,renewed=22:25"
-    unity, registry = Unity(file="x", places=places, pays="baseline+arp+aarp+relative"), load_registry()
+    unity, registry = Unity(file="x", places=places, pays="baseline+arp+aarp+relative"), REGISTRY
     env = start("--positions", "--horizon", "100")
     recorded = RecordRewards(
         env, tmp_path / "run", trained_with="own", seed=0, rewards=unity.rewards(env), behaviour=unity.behaviour(env)

@@ -10,26 +10,25 @@ from numpy.linalg import norm
 from numpy.testing import assert_array_equal
 from PIL import Image, ImageColor
 
-from harness import load_robot
 from harness.results.replay import Episode, Show, Side
 from harness.scene.scene import scene_of
 from harness_plugins.video.film import FRAMES, HEIGHT, HELD, LINE, RATE, WIDTH, Frame, film_of, write_film
 from tests.refusals import refused
+from tests.registered import FD100
 
 
 def episode(steps, outcome):
     """The FD100 turns by its first joint."""
-    robot = load_robot("fd100")
-    qpos = robot.home + np.linspace(0, 0.5, steps + 1)[:, None] * np.eye(6)[0]
-    target = np.tile(robot.end_effector(qpos[-1]), (steps + 1, 1))
-    distance = norm(robot.end_effector(qpos) - target, axis=1)
+    qpos = FD100.home + np.linspace(0, 0.5, steps + 1)[:, None] * np.eye(6)[0]
+    target = np.tile(FD100.end_effector(qpos[-1]), (steps + 1, 1))
+    distance = norm(FD100.end_effector(qpos) - target, axis=1)
     return Episode(np.arange(steps + 1), qpos, target, distance, -distance, outcome, {})
 
 
 @pytest.fixture(scope="module")
 def show():
     """A quick and a slow side, one episode."""
-    scene = scene_of(load_robot("fd100"))
+    scene = scene_of(FD100)
     sides = [
         Side(title, (0,), scene, (episode(steps, outcome),), 0.1)
         for title, steps, outcome in (("one", 4, "reached"), ("other", 60, "time-out"))

@@ -8,8 +8,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness import load_registry
 from harness.record.dataset.open_dataset import open_dataset
+from tests.registered import REGISTRY
 
 # An episode: ``observations`` (steps + 1, n), ``actions``, ``rewards``, ``infos``; ``attrs`` of the episode.
 
@@ -28,7 +28,7 @@ def episode(steps, seed=0, success=False, **attrs):
 
 def opened(text, **settings):
     """The data set that a user's text names, with the installed formats."""
-    return open_dataset(text, load_registry(), **settings)
+    return open_dataset(text, REGISTRY, **settings)
 
 
 def write_minari(folder, episodes, **metadata):

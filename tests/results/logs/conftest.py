@@ -3,9 +3,9 @@ import re
 
 import pytest
 
-from harness import load_registry
 from harness.log.open_log import find_logs
 from harness.results.logs.trainings import sort_logs
+from tests.registered import REGISTRY
 
 
 @pytest.fixture
@@ -44,4 +44,4 @@ def sorts_of(asked):
 @pytest.fixture
 def sort(tmp_path):
     """Sorts all logs of the folder."""
-    return lambda *given, **more: sort_logs(tmp_path, find_logs(tmp_path, load_registry()).logs, *given, **more)
+    return lambda *given, **more: sort_logs(tmp_path, find_logs(tmp_path, REGISTRY).logs, *given, **more)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness import load_registry
 from harness.log import LogFacts, in_memory
 from harness.log.open_log import find_logs
 from harness.results.logs.names import in_lockstep
+from tests.registered import REGISTRY
 
 
 def log(lengths, at, *, started=1.7e9):
@@ -89,4 +89,4 @@ def test_files_of_stable_baselines3(tmp_path, kind):
         for _ in range(400):
             envs.step(rng.integers(0, 2, count))
         envs.close()
-    assert in_lockstep(find_logs(tmp_path, load_registry(), "table").logs) is (kind == "DummyVecEnv")
+    assert in_lockstep(find_logs(tmp_path, REGISTRY, "table").logs) is (kind == "DummyVecEnv")

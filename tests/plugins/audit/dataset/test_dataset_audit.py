@@ -7,7 +7,6 @@ import pyarrow.parquet as pq
 import pytest
 from numpy.random import default_rng
 
-from harness import load_robot
 from harness.payoff.dataset import paid_dataset
 from harness.payoff.dataset.arm_pay import of_arm
 from harness.payoff.dataset.paid_dataset import pay_dataset
@@ -23,6 +22,7 @@ from harness_plugins.datasets import dataset as sizes
 from tests.payoff.conftest import named
 from tests.record.dataset.written import episode, opened, write_lerobot, write_minari
 from tests.refusals import refused
+from tests.registered import FD100
 
 RANKS, AGAINST, CANNOT_TELL = "RANKS AS SUCCESS DOES", "RANKS AGAINST IT", "CANNOT TELL"
 PLACES = "end_effector=0:3,target=3:6"
@@ -248,7 +248,7 @@ def test_function_of_a_step_may_not_need_the_next_observation(lerobot):
 
 def test_joints_of_a_robot_give_the_end_effector(minari):
     """By its forward kinematics, so that ARP is paid to an arm's log."""
-    robot, arp = load_robot("fd100"), named("arp")
+    robot, arp = FD100, named("arp")
     target = np.tile([0.2, 0.1, 0.3], (STEPS + 1, 1))
     joints = default_rng(0).uniform(robot.lower, robot.upper, (STEPS + 1, robot.dof))
     places = parse_places(f"joints=0:{robot.dof},target={robot.dof}:{robot.dof + 3}", robot.end_effector)

@@ -10,8 +10,6 @@ from gymnasium.vector import AutoresetMode
 from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
-import harness
-from harness import load_registry
 from harness.env.vector_env import ReachVectorEnv, World as Arm
 from harness.errors import SimulationDiverged
 from harness.log.log import episode_sum
@@ -21,8 +19,8 @@ from harness_plugins.audit.search.arm_world import ArmWorld
 from harness_plugins.audit.search.place import places_on_task, world_at
 from harness_plugins.kit import IdealSimulator
 from tests.heavy_arms import Heavy
+from tests.registered import FD100 as ROBOT, REGISTRY
 
-ROBOT = harness.load_robot("fd100")
 STARTS = np.array([0, 1, 0, 2])
 
 
@@ -211,11 +209,10 @@ def test_a_simulator_that_forgets_its_seed_is_told():
 
 def test_starts_that_are_alike_are_searched_once():
     """The published task begins all its episodes in one pose with one target."""
-    registry = load_registry()
-    arp = [choose(registry, "rewards", "arp")]
+    arp = [choose(REGISTRY, "rewards", "arp")]
     for task, count in (("arp-2021", 1), ("fd100-reach", 3)):
-        (place,) = places_on_task(registry, arp, task, None, None, 0.95)
-        world = world_at(place, registry)
+        (place,) = places_on_task(REGISTRY, arp, task, None, None, 0.95)
+        world = world_at(place, REGISTRY)
         assert len(world.distinct([5, 6, 7])) == count
         world.close()
 

@@ -6,7 +6,7 @@ import pytest
 from gymnasium.spaces import Box, Dict, Discrete, Sequence, Text
 from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
-from harness import RecordRewards, load_registry
+from harness import RecordRewards
 from harness.recorder.env_facts import Columns
 from harness.registry import choose
 from harness_plugins.audit import find_cheats
@@ -14,6 +14,7 @@ from harness_plugins.audit.search.environment_world import of_env
 from harness_plugins.audit.search.place import places_in_environment, world_at
 from tests.plugins.audit.cases.ships import WAYS, Ships
 from tests.refusals import refused
+from tests.registered import REGISTRY
 
 LENGTH = 6
 
@@ -339,7 +340,6 @@ def test_a_reward_that_fails_is_named():
 
 def test_an_environment_of_a_plugin():
     """By its name, with the limit that its id says."""
-    registry = load_registry()
-    task = choose(registry, "environments", "gymnasium:id=Pendulum-v1")
-    world = world_at(places_in_environment(registry, task, ["own"], 0.99)[0], registry)
+    task = choose(REGISTRY, "environments", "gymnasium:id=Pendulum-v1")
+    world = world_at(places_in_environment(REGISTRY, task, ["own"], 0.99)[0], REGISTRY)
     assert (world.name, world.reward, world.horizon) == (task.label, "own", 200)

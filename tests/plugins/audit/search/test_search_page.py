@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness import load_robot
 from harness.scene.scene import scene_of
 from harness_plugins.audit import cheats_page
 from harness_plugins.audit.search.film import Film
@@ -21,6 +20,7 @@ from tests.plugins.audit.search.certified import (
     place_of,
     whole_certificate,
 )
+from tests.registered import FD100
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +93,7 @@ def test_a_film_that_cannot_be_drawn_says_why(certificates):
 def test_an_arm_is_replayed(certificates):
     """As on other pages, and the film says what it shows."""
     drawn = [replace(it, shown=replace(it.shown, drawn=drawn_of(len(it.shown.paid)))) for it in certificates]
-    page = cheats_page(drawn, scene_of(load_robot("fd100")))
+    page = cheats_page(drawn, scene_of(FD100))
     assert 'id="replay-player"' in page
     assert '"told": "near, start 3"' in page
     assert '"outcome": "reached"' in page
@@ -103,7 +103,7 @@ def test_an_arm_with_other_joints_is_not_replayed():
     """A stranger's file may hold any number of them."""
     made = whole_certificate()
     other = replace(made, shown=replace(made.shown, drawn=drawn_of(20, joints=3)))
-    assert 'id="replay-player"' not in cheats_page([other], scene_of(load_robot("fd100")))
+    assert 'id="replay-player"' not in cheats_page([other], scene_of(FD100))
 
 
 def test_without_a_measure_of_success_it_asks_no_role():
