@@ -280,7 +280,7 @@ def in_memory(facts: LogFacts, columns: Columns) -> Log:
         SchemaError: They have different numbers of rows, or a number is beyond all returns.
     """
     _count(facts, columns)
-    for name, values in columns.items():
+    for name, values in zip(columns, map(np.asarray, columns.values()), strict=True):
         if values.dtype.kind == "f" and len(beyond := values[np.abs(values) > np.float64(LARGEST)]):
             raise SchemaError(f"{facts.path}: a value of {name} is {beyond[0]:g}, which is beyond all returns")
     return Log(facts, tuple(columns), lambda names: [{name: columns[name] for name in names}], dict(columns))

@@ -7,11 +7,10 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from harness.algorithm import RETURN
 from harness.cli.progress import LiveProgress
 from harness.executor import Cell, Event
 from harness.record.cell import BROUGHT
-from harness.record.progress import SPEED, SUCCESS
+from harness.record.progress import RETURN, SPEED, SUCCESS
 from harness.registry import Choice
 
 

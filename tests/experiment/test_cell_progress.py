@@ -7,7 +7,6 @@ import pyarrow.parquet as pq
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from harness.algorithm import RETURN
 from harness.executor import CellOptions
 from harness.experiment import arm_evaluation
 from harness.experiment.run_cell import run_cell
@@ -25,7 +24,7 @@ from harness.record import (
     read_trace,
 )
 from harness.record.folder import WEIGHTS, evaluation_files
-from harness.record.progress import SPEED, SUCCESS
+from harness.record.progress import RETURN, SPEED, SUCCESS
 from harness.registry import Choice
 
 pytestmark = pytest.mark.usefixtures("toys")

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.algorithm import RETURN
 from harness.experiment import world
 from harness.experiment.arm_world import ArmWorld, LearningSoFar
 from harness.experiment.environments.world import EnvironmentWorld
 from harness.experiment.workers.order import TELL_EVERY
 from harness.record import COLUMN, SCALARS
-from harness.record.progress import LAST_EPISODES, SPEED, SUCCESS
+from harness.record.progress import LAST_EPISODES, RETURN, SPEED, SUCCESS
 
 
 class Kept:

@@ -8,14 +8,13 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness import load_robot
-from harness.algorithm import RETURN
 from harness.env.vector_env import build_world
 from harness.executor import CellOptions
 from harness.experiment.arm_evaluation import evaluate
 from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
 from harness.record import EVALUATION, LOG, MANIFEST, POLICY, RANDOM, TRACE, partial_folder, read_manifest, read_trace
-from harness.record.progress import SUCCESS
+from harness.record.progress import RETURN, SUCCESS
 from harness.record.returns import mean_return
 from harness.registry import Choice, read_given
 from harness.robot import robot

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from harness.algorithm import RETURN
 from harness.experiment.arm_world import LearningSoFar
 from harness.log import LogFacts, in_memory
 from harness.log.log import (
@@ -20,6 +19,7 @@ from harness.log.log import (
 )
 from harness.payoff.rollout import discounted_sum
 from harness.record import COLUMN, SCALARS
+from harness.record.progress import RETURN
 from harness.record.returns import PAID, mean_return
 from harness.results.by_term import by_term
 from harness.results.recordings.episodes import episodes_of

@@ -8,7 +8,6 @@ from numpy.random import default_rng
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harness.robot import (
-    Chain,
     Shape,
     build_solids,
     forward,
@@ -57,7 +56,7 @@ def test_frames_are_those_of_the_kinematics(chain):
     frames = link_frames(chain, qpos)
     assert frames.shape == (3, 3, 4, 50)
     for count in (1, 2, 3):
-        part = Chain(chain.T_previous_joint[:count], chain.axes[:count], chain.kinds[:count], np.eye(4))
+        part = type(chain)(chain.T_previous_joint[:count], chain.axes[:count], chain.kinds[:count], np.eye(4))
         expected = forward(part, qpos[:, :count])[:, :3]
         assert_allclose(frames[count - 1].transpose(2, 0, 1), expected, atol=1e-14)
 

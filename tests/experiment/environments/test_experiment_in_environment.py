@@ -14,7 +14,6 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from harness import load_registry, load_results
-from harness.algorithm import RETURN
 from harness.executor import CellOptions
 from harness.experiment.experiment import check, prepare
 from harness.experiment.plan import check_experiment, expand
@@ -34,7 +33,7 @@ from harness.record import (
 )
 from harness.record.cell import digests_in
 from harness.record.merge import merge
-from harness.record.progress import SUCCESS
+from harness.record.progress import RETURN, SUCCESS
 from harness.record.recording.recording_writer import write_recording
 from harness.record.status import read_status
 from harness.registry import read_given

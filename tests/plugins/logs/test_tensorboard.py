@@ -266,9 +266,8 @@ def test_values_beyond_all_returns_are_refused(tmp_path, value):
 
 def test_this_projects_own_tracker_is_read(tmp_path):
     """What `--track tensorboard` has logged of a cell."""
-    from harness.algorithm import RETURN
     from harness.executor import TrackedCell
-    from harness.record.progress import SUCCESS as SHARE
+    from harness.record.progress import RETURN, SUCCESS as SHARE
     from harness_plugins.trackers.tensorboard import TensorBoard as Tracker
 
     cell = TrackedCell(id="0123456789abcdef", title="arm", group="arm", config={}, folder=tmp_path)
