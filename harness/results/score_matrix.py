@@ -17,6 +17,8 @@ from harness.record.folder import SCORES, TRACE
 from harness.registry.choice import Choice, Registry
 from harness.results.comparison import Group
 from harness.results.results import Results
+from harness.reward.reward import LARGEST_PAID
+from harness.score.installed_reward import UNPAYABLE
 from harness.score.rescore import rescore
 
 
@@ -68,8 +70,8 @@ def _matrix(
             for scores in [] if reasons else [it / SCORES for it in places]:
                 with reading(scores, "file of scores"):
                     runs.append(np.asarray(pq.read_table(scores, columns=[label]).column(label).to_numpy()))
-            if not all(np.isfinite(run).all() for run in runs):
-                reasons = [f"reward {label} is not finite on the runs of another reward"]
+            if not all((np.abs(run) <= LARGEST_PAID).all() for run in runs):
+                reasons = [f"reward {label} {UNPAYABLE}"]
             if reasons:
                 is_own = training.partition(":")[0] == label.partition(":")[0]  # its own terms say most
                 failed[label] = reasons[0] if is_own else failed.get(label, reasons[0])

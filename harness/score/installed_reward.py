@@ -13,6 +13,7 @@ from harness.record.trace import TERM, terms_of
 from harness.registry.choice import Choice, Registry
 from harness.registry.sources import fingerprint
 from harness.reward import Paid, Reward
+from harness.reward.reward import LARGEST_PAID
 from harness.reward.steps import MissingField
 from harness.reward.terms import needs_of
 from harness.score.scorer import pay_log
@@ -22,6 +23,9 @@ from harness.score.weights import reweighted
 def is_installed(registry: Registry, reward: str) -> bool:
     """Whether there is code for a reward of this name."""
     return "rewards" in registry.kinds_of(reward)
+
+
+UNPAYABLE = f"pays a number that is not finite, or beyond {LARGEST_PAID:g}, on the runs of another reward"
 
 
 class InstalledReward:
@@ -73,8 +77,8 @@ class InstalledReward:
         """
         with self._told():
             paid = self.paid(run, taught_by)
-            if not np.isfinite(paid.total).all():
-                raise HarnessError(f"reward {self.choice.label} is not finite on the runs of another reward")
+            if not (np.abs(paid.total) <= LARGEST_PAID).all():
+                raise HarnessError(f"reward {self.choice.label} {UNPAYABLE}")
             return paid
 
     def pays_recorded(self, own: Log) -> bool:

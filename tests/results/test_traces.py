@@ -368,7 +368,8 @@ class Broken:
     ("wrong", "reason"),
     [
         ("raise ZeroDivisionError('by\\nnothing')", " could not score the runs: ZeroDivisionError: by nothing"),
-        ("return carry, np.full_like(sample.distance, np.nan)", "reward broken is not finite on the runs of another"),
+        ("return carry, np.full_like(sample.distance, np.nan)", "reward broken pays a number that is not finite, or"),
+        ("return carry, np.full_like(sample.distance, -1e151)", "or beyond 1e+150, on the runs of another reward"),
     ],
 )
 def test_reward_that_fails_on_other_runs(both, made, write_plugin, wrong, reason):
