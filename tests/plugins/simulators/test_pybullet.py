@@ -12,7 +12,7 @@ from numpy.linalg import norm
 from numpy.testing import assert_allclose
 
 import harness
-from harness.robot import parse_urdf
+from harness.robot import Shape, parse_urdf
 from harness.robot.normal_urdf import normal_urdf
 from harness_plugins.bullet_arms import Clients, FreeArm, arm as bullet_arm, exact_timestep, file_of_arm
 from harness_plugins.simulators.pybullet import PyBullet
@@ -184,9 +184,13 @@ def test_a_heavy_arm_is_driven_where_it_is_told(tmp_path):
         assert pybullet.getDynamicsInfo(arm.body, 0, physicsClientId=arm.client)[0] == 747.0
 
 
+LONG = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, -3.0]]
+
+
 def test_mesh_is_found_from_the_folder_of_the_robot(tmp_path, open_arms):
     """A mesh whose path starts from the robot's folder reaches the ground."""
-    (tmp_path / "long.obj").write_text("v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 -3\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")
+    points = "".join(f"v {x} {y} {z}\n" for x, y, z in LONG)
+    (tmp_path / "long.obj").write_text(f"{points}f 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")
     robot = with_mesh(tmp_path, "long.obj")
     plain = normal_urdf(parse_urdf(robot.urdf), robot.joint_names, tmp_path).urdf
     assert open_arms(1, replace(robot, urdf=plain.text)).read().ground_contact.all()
@@ -202,11 +206,13 @@ def test_missing_mesh_is_a_usage_error(tmp_path, capfd, open_arms):
 
 
 def with_mesh(folder, filename):
-    """The arm with a mesh as the only shape of its first moving link."""
-    tree = ElementTree.fromstring(only_shape_of("none").urdf)
+    """The arm with a mesh of the points `LONG` as the only shape of its first moving link."""
+    bare = only_shape_of("none")
+    tree = ElementTree.fromstring(bare.urdf)
     shape = f'<collision><geometry><mesh filename="{filename}"/></geometry></collision>'
     tree.find("link[@name='link1']").append(ElementTree.fromstring(shape))
-    return replace(ROBOT, urdf=ElementTree.tostring(tree, "unicode"), folder=folder)
+    solids = {**bare.link_shapes, "link1": (Shape("mesh", (), np.eye(4), np.array(LONG)),)}
+    return replace(bare, urdf=ElementTree.tostring(tree, "unicode"), folder=folder, link_shapes=solids)
 
 
 def test_too_many_clients_are_a_usage_error(monkeypatch, open_arms):

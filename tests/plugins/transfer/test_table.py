@@ -50,5 +50,5 @@ def test_what_a_section_of_0_3_shows_ends_in_what_to_write(transferred, monkeypa
     """It had a table for the terminal and HTML for the page."""
     old = SimpleNamespace(style="", to_json=dict, table=str, html=str)
     monkeypatch.setattr(TransferSection, "show", lambda section, results: old)
-    with pytest.raises(PluginError, match=r"'transfer'.* shows a SimpleNamespace; write harness\.section\.Shown\("):
+    with pytest.raises(PluginError, match=r"'transfer'.* shows a SimpleNamespace; write harness\.results\.Shown\("):
         _ = Report(transferred).short
