@@ -94,7 +94,9 @@ class VariedSimulation:
         if present is None or self._present[env] != wanted:
             if present is not None:
                 self._idle.append((int(self._present[env]), present))
-            self._open[env] = present = self._idle_one(wanted) or self._start(wanted)
+            self._open[env] = present = self._idle_one(wanted) or self._simulator.open(
+                self._robot(wanted), 1, self._period
+            )
             self._present[env] = wanted
             while len(self._idle) > MOST_IDLE:
                 self._idle.pop(0)[1].close()
@@ -103,9 +105,6 @@ class VariedSimulation:
     def _idle_one(self, wanted: int) -> Simulation | None:
         place = next((place for place, (arm, _) in enumerate(self._idle) if arm == wanted), None)
         return None if place is None else self._idle.pop(place)[1]
-
-    def _start(self, arm: int) -> Simulation:
-        return self._simulator.open(self._robot(arm), 1, self._period)
 
     def _copy(self, env: int, state: State) -> None:
         for mine, of_one in zip(self._state, state, strict=True):

@@ -11,7 +11,6 @@ from typing import Any, Literal
 import gymnasium
 import numpy as np
 import pyarrow as pa
-from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import SyncVectorEnv
 
 import harness
@@ -29,16 +28,12 @@ LEARNERS = ("stable_baselines3", "sb3_contrib", "sbx", "torch", "jax", "ray")
 
 def env_facts(env: Any) -> dict[str, Any]:
     """Class, id, arguments, horizon and wrappers of an env, single or vector, as JSON has them."""
-    kind, spec = type(env.unwrapped), env.spec or _first_spec(env.unwrapped)
+    one = env.unwrapped.envs[0] if isinstance(env.unwrapped, SyncVectorEnv) else env  # they are all the same
+    kind, spec = type(env.unwrapped), env.spec or one.spec
     facts: dict[str, Any] = {"class": f"{kind.__module__}.{kind.__qualname__}", "wrappers": _wrappers(env)}
     if spec is not None:
         facts |= {"id": spec.id, "kwargs": plain(spec.kwargs), "max_episode_steps": spec.max_episode_steps}
     return facts
-
-
-def _first_spec(env: Any) -> EnvSpec | None:
-    """The spec of the first env of a batch that was made of single envs."""
-    return env.envs[0].spec if isinstance(env, SyncVectorEnv) else None
 
 
 def _wrappers(env: Any) -> list[str]:

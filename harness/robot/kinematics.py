@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from harness.arrays import Float, Mask
 from harness.errors import UsageError
@@ -115,7 +115,10 @@ class Chain:
         weights = np.stack([self.T_previous_joint + second, first, -second], axis=-1)[:, :3]  # (dof, 3, 4, 3)
         weights[np.abs(weights) < NOTHING] = 0.0
         return tuple(
-            tuple(StepTerm(int(row), int(column), *joint[row, column].tolist()) for row, column in _places(joint))
+            tuple(
+                StepTerm(int(row), int(column), *joint[row, column].tolist())
+                for row, column in np.argwhere(joint.any(axis=-1))
+            )
             for joint in weights
         )
 
@@ -312,11 +315,6 @@ def _weighted(weight: float, values: Float, start: Float | float) -> Float | flo
         return start
     product = values if weight == 1.0 else weight * values
     return product if isinstance(start, float) and start == 0.0 else start + product
-
-
-def _places(matrices: Float) -> NDArray[np.intp]:
-    """Rows and columns where not all numbers of the last axis are 0, shape (count, 2)."""
-    return np.argwhere(matrices.any(axis=-1))
 
 
 def child_frames(chain: Chain, qpos: ArrayLike) -> list[Float]:

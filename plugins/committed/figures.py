@@ -9,7 +9,6 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from harness.eta import Split
 from harness.eta.headline import is_drawable, percentage
 from harness.eta.splits import no_splits
 from harness.report import (
@@ -90,12 +89,11 @@ def split_file(combination: Comparison, missing: str = "") -> bytes | None:
     ]
     if not panels:
         return None
-    told = [describe_split(name, split) if drawn[name] else _undrawn(name, split) for name, split in splits.items()]
+    told = [
+        describe_split(name, it) if drawn[name] else f"{name} is not drawn: {it.eta.note or 'no part has a number'}."
+        for name, it in splits.items()
+    ]
     return _file("Ruler x behaviour", combination, missing, panels, [*told, INTERVALS])
-
-
-def _undrawn(name: str, split: Split) -> str:
-    return f"{name} is not drawn: {split.eta.note or 'no part has a number'}."
 
 
 def measures_of(combination: Comparison, learning: Learning | None) -> Texts:

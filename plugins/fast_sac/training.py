@@ -309,7 +309,7 @@ class Learner:
         settings, coefficient, size = self._settings, self.coefficient, self._action_size
         now, following = batch.inputs
         output = forward(self.actor, settings.activation, batch.inputs[..., size:], self._actor_room)
-        drawn = draw(output, self._noise(batch))
+        drawn = draw(output, self._rng.standard_normal((*batch.inputs.shape[:2], size), dtype=np.float32))
         following[:, :size] = drawn.action[1]
         value = self._least(self._targets, following) - coefficient * drawn.log_prob[1]
         value_loss = self._improve_critics(now, batch.reward + settings.gamma * batch.goes_on * value)
@@ -319,9 +319,6 @@ class Learner:
         self._coefficient.learn(entropy)
         self._follow()
         return Losses(-coefficient * entropy - expected, value_loss, entropy)
-
-    def _noise(self, batch: Batch) -> Float32:
-        return self._rng.standard_normal((*batch.inputs.shape[:2], self._action_size), dtype=np.float32)
 
     def _least(self, critics: Networks, inputs: Float32) -> Float32:
         """The lesser of both critics' values, (rows,)."""

@@ -28,13 +28,9 @@ NAMES = {
 
 def losses(logged: Mapping[str, Any]) -> dict[str, float]:
     """The values that were logged last, by the names in `NAMES`."""
-    told = _without_totals(logged)
+    # PPO's ``train/loss`` is the sum of its other losses; DQN logs only that one.
+    told = {key for key in logged if key != "train/loss" or "train/value_loss" not in logged}
     return {name: factor * float(logged[key]) for key, (name, factor) in NAMES.items() if key in told}
-
-
-def _without_totals(logged: Mapping[str, Any]) -> set[str]:
-    """The logged names without PPO's ``train/loss``, which is the sum of the other losses. DQN logs only that one."""
-    return {key for key in logged if key != "train/loss" or "train/value_loss" not in logged}
 
 
 LAST = 256

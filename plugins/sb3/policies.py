@@ -28,7 +28,9 @@ def policy_from(model: Any, activation: str, algorithm: str, noise: float = 0.1)
         if hasattr(space, "n"):
             return Categorical(_weights(hidden, logits=policy.action_net), activation, int(space.n), algorithm)
         weights = _weights(hidden, mean=policy.action_net)
-        return Gaussian({**weights, "log_std": _array(policy.log_std)}, activation, *_box(space), algorithm)
+        return Gaussian(
+            {**weights, "log_std": np.array(policy.log_std.detach(), np.float32)}, activation, *_box(space), algorithm
+        )
     actor = policy.actor
     if hasattr(actor, "log_std"):
         weights = _weights(actor.latent_pi, mean=actor.mu, log_std=actor.log_std)
@@ -44,16 +46,11 @@ def _weights(hidden: Iterable[Any], **heads: Any) -> dict[str, Float32]:
 
 
 def _parts(layer: Any) -> tuple[Float32, Float32]:
-    return _array(layer.weight), _array(layer.bias)
+    return layer.weight.detach().numpy(), layer.bias.detach().numpy()
 
 
 def _linear_layers(layers: Iterable[Any]) -> list[Any]:
     return [layer for layer in layers if hasattr(layer, "weight")]
-
-
-def _array(parameter: Any) -> Float32:
-    array: Float32 = parameter.detach().numpy().astype(np.float32, copy=True)
-    return array
 
 
 def _box(space: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:

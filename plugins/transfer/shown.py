@@ -43,15 +43,10 @@ def _lines(matrix: TransferMatrix, row: int) -> Iterator[tuple[str, ...]]:
     home = matrix.trained_in[row]
     for name, grid, text in (
         (f"{home}: success", matrix.success, percentage),
-        ("  drop", matrix.drop, _drop_text),
+        ("  drop", matrix.drop, lambda drop: "" if drop is None else points(drop)),
         ("  return", matrix.paid, format_number),
     ):
         yield from (it for it in value_rows(name, grid[row], text, with_points=True) if any(it[1:]))
-
-
-def _drop_text(drop: float | None) -> str:
-    """A drop in percentage points; empty in the simulator in which the policies were trained."""
-    return "" if drop is None else points(drop)
 
 
 def _largest_drop(matrix: TransferMatrix, row: int) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from harness.eta.headline import estimate_text, interval_text, points, value_text
 from harness.eta.index import NOTHING, Estimate
-from harness.eta.ranking import Answer, Transplant
+from harness.eta.ranking import Answer
 from harness.report.rows import Fact, Grid
 from harness.results.overview import ARROW
 from harness.results.ranking import ROUNDING, Kind, PlacePair, TaskRanking
@@ -120,12 +120,9 @@ def _choices(task: TaskRanking) -> Grid:
     for pair in task.pairs:
         for (here, there), found in zip((pair.names, pair.names[::-1]), (pair.forth, pair.back), strict=True):
             shared = _shared(task, pair)
-            rows.append((f"{here}{ARROW}{there}{shared}", found.chosen, found.best, *_cost(found)))
+            told = estimate_text(found.cost, points), found.answer.value.upper(), found.cost.note
+            rows.append((f"{here}{ARROW}{there}{shared}", found.chosen, found.best, *told))
     return Grid(CHOICES, rows, [])
-
-
-def _cost(found: Transplant) -> tuple[str, str, str]:
-    return estimate_text(found.cost, points), found.answer.value.upper(), found.cost.note
 
 
 def _agreements(task: TaskRanking) -> Grid:

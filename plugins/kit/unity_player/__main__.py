@@ -117,12 +117,9 @@ class Arms:
         return np.clip(before + STRIDE * moves, -1.0, 1.0)
 
     def _shown(self, observations: Float32) -> Float32:
-        shown = np.hstack([observations, self._positions()]) if self._shows_positions else observations
-        return shown.astype(np.float32)
-
-    def _positions(self) -> Float:
-        """End effectors and targets, (n, 6), [m]."""
-        return np.hstack([self._env.episodes.end_effector, self._env.episodes.target])
+        episodes = self._env.episodes
+        more = [episodes.end_effector, episodes.target] if self._shows_positions else []
+        return np.hstack([observations, *more]).astype(np.float32)
 
 
 PORT = "--mlagents-port"
