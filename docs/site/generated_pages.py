@@ -16,6 +16,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import typer
 from sphinx.application import Sphinx
 
@@ -308,7 +309,7 @@ def module_page(module: str) -> str:
 def _member(module: ModuleType, name: str) -> str:
     """What a page says of a public name; a class that an earlier module has too is explained there."""
     full, thing = f"{module.__name__}.{name}", getattr(module, name)
-    if name.startswith("_"):
+    if name.startswith("_") or getattr(thing, "__origin__", None) is np.ndarray:
         return f"`{full}` is `{thing!r}`."
     earlier = MODULES[: MODULES.index(module.__name__)]
     for other in earlier if inspect.isclass(thing) else ():
