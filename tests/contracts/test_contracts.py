@@ -209,7 +209,7 @@ def test_names_of_0_3_check_as_before(tmp_path):
         check = kit.check_tracker
     check(trackers.SOUND[0], tmp_path)
     assert list(tmp_path.iterdir()) == []
-    with pytest.raises(AttributeError, match="check_screen"):
+    with pytest.raises(ImportError, match="check_screen is no longer in fd100-harness: type `harness check NAME`"):
         _ = kit.check_screen
 
 
