@@ -1,12 +1,14 @@
 """Data sets by what users type: ``minari:D4RL/pen/human-v2``, ``lerobot:FOLDER``, ``d4rl:FILE``, ``robomimic:FILE``."""
 
+import mmap
 import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from struct import unpack_from
 from typing import Any
 
-from harness.errors import UsageError
+from harness.errors import SchemaError, UsageError
 from harness.files.bounded import reading
 from harness.log.facts import LogFacts
 from harness.log.log import Log
@@ -24,6 +26,10 @@ _FOLDERS = ("meta/info.json", "data/main_data.hdf5")
 MOST_EPISODES = 2_000_000
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """How an HDF5 file begins."""
+_HEAP, HEAP_HEAD = re.compile(rb"GCOL\x01\x00{3}"), 16
+"""How a collection of texts begins in HDF5, and its bytes before the first text; each text has as many before it."""
+MOST_SEARCHED = 2**30
+"""So far into a file damaged texts are looked for, in half a second."""
 INDEX_BYTES = 2**20
 """What HDF5 keeps of a file's index: each episode is read once, and 32 MiB, its default, hold 200 MB of memory."""
 
@@ -115,6 +121,7 @@ def open_hdf5(path: Path) -> Any:
 
     Raises:
         UsageError: h5py is not installed.
+        SchemaError: Its texts are damaged.
     """
     try:
         import h5py
@@ -122,8 +129,25 @@ def open_hdf5(path: Path) -> Any:
         raise UsageError(
             f"A data set in HDF5 needs h5py, which cannot be imported ({error}): pip install 'fd100-harness[minari]'"
         ) from error
+    _require_texts(path)
     file = h5py.File(path, "r", locking=False)
     cache = file.id.get_mdc_config()
     cache.set_initial_size, cache.initial_size, cache.min_size, cache.max_size = True, *[INDEX_BYTES] * 3
     file.id.set_mdc_config(cache)
     return file
+
+
+def _require_texts(path: Path) -> None:
+    """See that each text of a collection has a length: HDF5 itself would look for the next one without an end.
+
+    Source: https://support.hdfgroup.org/documentation/hdf5/latest/_f_m_t3.html, "Global Heap".
+    """
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as found:
+        for heap in _HEAP.finditer(found, 0, MOST_SEARCHED):
+            at, end = heap.start() + HEAP_HEAD, heap.start() + unpack_from("<Q", found, heap.end())[0]
+            while at + HEAP_HEAD <= min(end, len(found)):
+                number, size = unpack_from("<H6xQ", found, at)
+                step = size if number == 0 else HEAP_HEAD + -(-size // 8) * 8  # 0 is the room that is left
+                if not 0 < step <= end - at:
+                    raise SchemaError(f"{path} is damaged: its texts at byte {at:,} have no length")
+                at += step

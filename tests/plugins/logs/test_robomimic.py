@@ -220,3 +220,14 @@ def test_a_file_that_is_cut_is_told_so(tmp_path):
     (tmp_path / "d.hdf5").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(SchemaError, match=r"no readable HDF5 file: OSError: .*truncated file"):
         opened(str(tmp_path / "d.hdf5"))
+
+
+def test_texts_without_a_length_are_refused(tmp_path):
+    """HDF5's own library would never come back from them."""
+    write(path := tmp_path / "d.hdf5")
+    whole = bytearray(path.read_bytes())
+    text = whole.index(json.dumps(ARGS).encode())
+    whole[text - 8 : text] = (2**64 - 16).to_bytes(8, "little")
+    path.write_bytes(whole)
+    with pytest.raises(SchemaError, match=r"its texts at byte .* have no length"):
+        opened(f"robomimic:{path}")
