@@ -29,7 +29,10 @@ def policy_from(model: Any, activation: str, algorithm: str, noise: float = 0.1)
             return Categorical(_weights(hidden, logits=policy.action_net), activation, int(space.n), algorithm)
         weights = _weights(hidden, mean=policy.action_net)
         return Gaussian(
-            {**weights, "log_std": np.array(policy.log_std.detach(), np.float32)}, activation, *_box(space), algorithm
+            {**weights, "log_std": policy.log_std.detach().numpy().astype(np.float32)},
+            activation,
+            *_box(space),
+            algorithm,
         )
     actor = policy.actor
     if hasattr(actor, "log_std"):
