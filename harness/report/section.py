@@ -1,4 +1,4 @@
-"""What a report says, as facts, and the part of it that a command of a plugin adds; what its author imports."""
+"""What a report says, as facts, and the part of it that a command of a plugin adds."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
