@@ -68,9 +68,10 @@ class IdealSimulation:
         qpos = self.qpos[self._awake]
         frames = child_frames(self.robot.chain, qpos)
         tip = (frames[-1] @ self.robot.chain.T_last_tip)[:, :3, 3]
-        heights = [tip[:, 2], *(frame[:, 2, 3] for frame in frames[1:])]  # the first joint's origin stands still
-        contact = np.min(heights, axis=0) <= 0.0
-        near = self._solids.is_near_ground(np.stack([frame[:, :3].transpose(1, 2, 0) for frame in frames])) & ~contact
+        upward = np.array([frame[:, 2].T for frame in frames])
+        heights = upward[1:, 3]  # the first joint's origin stands still
+        contact = np.minimum(tip[:, 2], heights.min(axis=0, initial=np.inf)) <= 0.0
+        near = self._solids.is_near_ground(upward) & ~contact
         if near.any():
             contact[near] = self._solids.touch_ground(link_frames(self.robot.chain, qpos[near]))
         self._tip[self._awake], self._contact[self._awake] = tip, contact

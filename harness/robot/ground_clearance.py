@@ -43,9 +43,9 @@ class Cloud:
         lowest += up[3]
         return lowest
 
-    def ball_reaches_ground(self, frames: Float) -> Mask:
-        """Whether the ball does, shape (n,); arguments as for `Solids.lowest`."""
-        up = frames[self.joint, 2]
+    def ball_reaches_ground(self, upward: Float) -> Mask:
+        """Whether the ball does, shape (n,); arguments as for `Solids.is_near_ground`."""
+        up = upward[self.joint]
         reaches: Mask = _dot(self.ball[None, :3], up[None])[0] + up[3] < self.ball[3] + MARGIN
         return reaches
 
@@ -97,14 +97,16 @@ class Solids:
             np.minimum(lowest, cloud.lowest(frames), out=lowest)
         return lowest
 
-    def is_near_ground(self, frames: Float) -> Mask:
+    def is_near_ground(self, upward: Float) -> Mask:
         """Whether a ball around shapes reaches below the plane z = 0, shape (n,); where none does, no shape does.
 
-        Frames that differ by rounding alone from those that `lowest` is given do as well.
+        Args:
+            upward: The z axis and the height of each joint's frame, [m], shape (dof, 4, n): the third row of what
+                `lowest` is given. Numbers that differ from those by rounding alone do as well.
         """
-        near = self._bounds_reach_ground(frames[:, 2])
+        near = self._bounds_reach_ground(upward)
         for cloud in self.clouds:
-            near |= cloud.ball_reaches_ground(frames)
+            near |= cloud.ball_reaches_ground(upward)
         return near
 
     def touch_ground(self, frames: Float) -> Mask:
@@ -114,7 +116,7 @@ class Solids:
         if near.size:
             contact[near] = self._lowest_of_sums(upward[..., near]) < 0.0
         for cloud in self.clouds:
-            near = np.flatnonzero(cloud.ball_reaches_ground(frames) & ~contact)
+            near = np.flatnonzero(cloud.ball_reaches_ground(upward) & ~contact)
             if near.size:
                 contact[near] = cloud.lowest(frames[..., near]) < 0.0
         return contact

@@ -7,7 +7,6 @@ from itertools import zip_longest
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import stats
 
 from harness.files.plain import to_plain
 from harness.text import number, shortened
@@ -273,4 +272,6 @@ def _is_alike(one: Sequence[float], other: Sequence[float]) -> bool:
     """Whether two plays of one policy are alike but for chance, by Welch's test."""
     if one == other or np.ptp(one) == np.ptp(other) == 0.0:
         return bool(one[0] == other[0])
-    return bool(stats.ttest_ind(one, other, equal_var=False).pvalue >= LEAST_P)
+    from scipy.stats import ttest_ind  # here, since importing it takes a second that few replays need
+
+    return bool(ttest_ind(one, other, equal_var=False).pvalue >= LEAST_P)
