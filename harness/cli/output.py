@@ -16,7 +16,7 @@ from harness.text import one_line, print_visible, visible
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from harness.payoff.rollout import Rollout, UnderNoise
+    from harness.payoff.rollout import Rollout
     from harness.record.cell import Cell
     from harness.registry.choice import Registry
     from harness.report.facts import Report
@@ -197,8 +197,6 @@ EPISODES = 20
 """The episodes of each scripted policy: half a second for a robot and task, and the answer no longer changes."""
 GAMMA = 0.95
 """The discount that ``harness audit`` has too."""
-NOISE = 0.05
-"""The noise on every action that ``harness audit`` tries too."""
 
 
 def audits_of(results: "Results") -> "Audits":
@@ -241,7 +239,7 @@ def _record(cell: "Cell", registry: "Registry", noise: float) -> "tuple[Rollout,
 def _ask(cell: "Cell", registry: "Registry", record: "Callable[[Cell, float], tuple[Rollout, ...] | str]") -> "Payoffs":
     """What the cell's reward pays in these rollouts."""
     from harness.errors import reason_of
-    from harness.payoff.rollout import finishing_of, on_finishing, on_terms, score_rollout, under_noise
+    from harness.payoff.rollout import NOISE, finishing_of, on_finishing, on_noise, on_terms, score_rollout
     from harness.report.rows.returns import Payoffs
 
     rollouts = record(cell, 0.0)
@@ -252,24 +250,11 @@ def _ask(cell: "Cell", registry: "Registry", record: "Callable[[Cell, float], tu
         found = finishing_of([score_rollout(reward, rollout) for rollout in rollouts], GAMMA)
         noisy = record(cell, NOISE) if found.undiscounted or found.discounted else ""
         disturbed = [score_rollout(reward, rollout) for rollout in noisy if not isinstance(rollout, str)]
-        reason = _on_noise(under_noise(found, finishing_of(disturbed, GAMMA))) if disturbed else ""
+        told = [on_noise(found, finishing_of(disturbed, GAMMA))] if disturbed else []
     except (Exception, SystemExit) as error:
         return Payoffs((f"Not known: {reason_of(error)}",), {}, {})
     return Payoffs(
-        (on_finishing(found), *filter(None, [reason]), *on_terms(found)),
+        (on_finishing(found), *told, *on_terms(found)),
         {payoff.policy: payoff.total for payoff in found.payoffs},
         {payoff.policy: payoff.success for payoff in found.payoffs},
-    )
-
-
-def _on_noise(noisy: "UnderNoise") -> str:
-    """Why a learner finishes all the same, or may not."""
-    from harness.text import number
-
-    pay = f"{noisy.policy} earns {number(noisy.earns)}, finish {number(noisy.finish_earns)}"
-    if noisy.is_robust:
-        return f"A learner may well find that: with noise on its actions ({NOISE:g}) {pay}."
-    return (
-        f"A learner may finish all the same, for the behaviour is fragile: with noise on its actions ({NOISE:g}), as "
-        f"while it explores, {pay}."
     )

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from functools import cached_property
 from itertools import islice
 from types import MappingProxyType
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -370,8 +370,11 @@ SLACK = 1e-9
 """Returns that differ by no more than this share of the largest are equal."""
 
 
-MARGIN = 0.05
-"""With noise on the actions something else has to earn more than finishing by this share of all that is earned."""
+NOISE, MARGIN = 0.05, 0.05
+"""With noise of this standard deviation on every action, something else has to earn more than finishing by this share
+of all that is earned."""
+ROBUST, FRAGILE = "ROBUST", "FRAGILE"
+"""Whether what pays more than doing the task still does with noise on the actions."""
 
 
 @dataclass(frozen=True)
@@ -453,33 +456,6 @@ class Finishing:
     paid_twice: str
 
 
-class UnderNoise(NamedTuple):
-    """What pays more than finishing, while every action is disturbed."""
-
-    policy: str
-    earns: float
-    """Its mean return; discounted where it pays more with a discount alone."""
-    finish_earns: float
-    is_robust: bool
-    """Whether it still earns more, by more than a margin."""
-
-
-def under_noise(of: Finishing, disturbed: Finishing) -> UnderNoise:
-    """Whether what pays more than finishing still does while actions are disturbed.
-
-    Args:
-        of: What the scripts earn; something earns more than finishing.
-        disturbed: What they earn with noise on their actions.
-    """
-    plain, noisy = (
-        {it.policy: it.total if of.undiscounted else it.total_discounted for it in found.payoffs}
-        for found in (of, disturbed)
-    )
-    margin = MARGIN * (max(plain.values()) - min(plain.values()))
-    best = max((it.policy for it in of.undiscounted or of.discounted), key=noisy.__getitem__)
-    return UnderNoise(best, noisy[best], noisy[FINISH], noisy[best] > noisy[FINISH] + margin)
-
-
 def finishing_of(scores: Sequence[Score], gamma: float) -> Finishing:
     """What a reward pays for.
 
@@ -549,6 +525,26 @@ def on_finishing(of: Finishing) -> str:
     others = [payoff for payoff in of.payoffs if payoff.success < finish.success]
     beside = f", {others[0].policy} {number(others[0].total)}" if others else ""
     return f"Finishing pays most: finish earns {number(finish.total)} per episode{beside}."
+
+
+def on_noise(of: Finishing, disturbed: Finishing) -> str:
+    """Whether what pays more than finishing still does while actions are disturbed; asked only if something does.
+
+    Args:
+        of: What the scripts earn.
+        disturbed: What they earn with noise of `NOISE` on their actions.
+    """
+    plain, noisy = (
+        {it.policy: it.total if of.undiscounted else it.total_discounted for it in found.payoffs}
+        for found in (of, disturbed)
+    )
+    margin = MARGIN * (max(plain.values()) - min(plain.values()))
+    best = max((it.policy for it in of.undiscounted or of.discounted), key=noisy.__getitem__)
+    rate = "" if of.undiscounted else f", discounted by {of.gamma:g}"
+    told = f"{best} earns {number(noisy[best])} per episode{rate}, finish {number(noisy[FINISH])}"
+    if noisy[best] > noisy[FINISH] + margin:
+        return f"{ROBUST}: with action noise {NOISE:g} {told}. A learner may well find that."
+    return f"{FRAGILE}: with action noise {NOISE:g}, as while it explores, {told}. A learner may finish all the same."
 
 
 def on_terms(of: Finishing) -> list[str]:

@@ -11,7 +11,7 @@ from rich.text import Text
 from harness.eta.auc import Auc
 from harness.experiment.screening import FAILING, NOTHING
 from harness.files.plain import Plain, tells, to_plain
-from harness.payoff.rollout import Finishing
+from harness.payoff.rollout import NOISE, Finishing
 from harness.text import number
 
 from .dataset.dataset_audit import Lines, auc_text
@@ -206,7 +206,7 @@ def _of_payoffs(scripts: OfScripts) -> Iterator[RenderableType]:
     noisy = {of.policy: number(of.total) for of in scripts.disturbed.payoffs} if scripts.disturbed else {}
     grid = _grid(
         "policy",
-        ("return", "shaped\nalone", gamma, "steps", "success", *([f"noise\n{NOISES[-1]:g}"] if noisy else [])),
+        ("return", "shaped\nalone", gamma, "steps", "success", *([f"noise\n{NOISE:g}"] if noisy else [])),
     )
     for place, payoff in enumerate(payoffs):
         name = f"{payoff.policy} paid most" if place == 0 else payoff.policy

@@ -13,16 +13,17 @@ from harness.payoff.rollout import (
     FINISH,
     HOLD,
     HOVER,
+    NOISE,
     NoScriptsError,
     Rollout,
     Score,
     discounted_sum,
     finishing_of,
     on_finishing,
+    on_noise,
     on_terms,
     rollouts_by_noise,
     score_rollout,
-    under_noise,
 )
 from harness.registry import Choice, Registry, choose
 from harness.registry.spec import blamed_on
@@ -37,8 +38,6 @@ from .properties import properties_of, workspace_ratios
 from .recorded.earned import earned_in_episodes
 from .recorded.pair import Paid, compare_paid, pair_of
 from .recorded.pair_grid import SCALE
-from .search.disturb import NOISES
-from .search.finding import FRAGILE, ROBUST
 from .search.place import GAMMA_OF_ARM, arm_at, places_on_task
 from .subject import Answered, Asked
 from .transitions.rollout_forms import COMPARED, forms_of_rollouts
@@ -50,12 +49,7 @@ def verdict_of(found: OfScripts) -> list[str]:
     payoffs = {payoff.policy: payoff for payoff in of.payoffs}
     lines = [on_finishing(of)]
     if found.disturbed is not None and (of.undiscounted or of.discounted):
-        noisy = under_noise(of, found.disturbed)
-        word, rate = ROBUST if noisy.is_robust else FRAGILE, "" if of.undiscounted else f", discounted by {of.gamma:g}"
-        lines.append(
-            f"{word}: with action noise {NOISES[-1]:g} {noisy.policy} earns {number(noisy.earns)} per episode{rate}, "
-            f"finish {number(noisy.finish_earns)}."
-        )
+        lines.append(on_noise(of, found.disturbed))
     if of.holding_pays:
         hold, gamma = payoffs[HOLD], of.gamma
         earned = f"{number(hold.shaped)} of shaped reward per episode, {number(hold.shaped_discounted)}"
@@ -173,7 +167,7 @@ def audited(asked: Asked) -> Answered:
     arm = arm_at(at, registry)
     label = at.simulator.label if at.simulator else "no simulator: joints move exactly as commanded"
     try:
-        rollouts, disturbed = rollouts_by_noise(arm.simulator, arm.robot, arm.task, episodes, (0.0, NOISES[-1]))
+        rollouts, disturbed = rollouts_by_noise(arm.simulator, arm.robot, arm.task, episodes, (0.0, NOISE))
     except NoScriptsError as error:
         if asked.search is None:
             raise

@@ -16,7 +16,7 @@ FEW = ("--episodes", 6, "--budget", 0)
 def test_noise_on_actions_tells_a_knifes_edge(harness):
     """Creeping earns many times what finishing does, and less than that where actions are disturbed."""
     data = harness("audit --reward baseline --json", *FEW).json
-    assert data["verdict"][1].startswith("FRAGILE: with action noise 0.05 ")
+    assert data["verdict"][1].startswith("FRAGILE: with action noise 0.05, as while it explores, ")
     still, noisy = ({row["policy"]: row["total"] for row in data[key]} for key in ("policies", "disturbed_policies"))
     assert still["creep"] > 10.0 * still["finish"]
     assert noisy["creep"] < 0.2 * still["creep"]

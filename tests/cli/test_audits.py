@@ -10,9 +10,7 @@ def test_every_reward_that_taught_is_asked(tmp_path):
     assert set(found) == {("fd100", "fd100-reach", name) for name in ("baseline", "arp")}
     for payoffs in found.values():
         assert payoffs.verdict[0].startswith("Not finishing pays more than finishing: creep earns ")
-        assert payoffs.verdict[1].startswith(
-            "A learner may finish all the same, for the behaviour is fragile: with noise"
-        )
+        assert payoffs.verdict[1].startswith("FRAGILE: with action noise 0.05, as while it explores, creep earns")
         assert payoffs.returns["creep"] > payoffs.returns["finish"] > payoffs.returns["random"]
         assert payoffs.success["finish"] == 1.0
 

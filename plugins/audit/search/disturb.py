@@ -8,13 +8,14 @@ import gymnasium
 import numpy as np
 
 from harness import Float
+from harness.payoff.rollout import FRAGILE, NOISE, ROBUST
 
 from .behaviour import Behaviour, Role
-from .finding import FRAGILE, ROBUST, Disturbed
+from .finding import Disturbed
 from .judge import Case
 from .world import Act, Actions, Outcomes, Rng, Shown, Space, World
 
-NOISES = (0.01, 0.05)
+NOISES = (0.01, NOISE)
 """Standard deviations as shares of half the range of actions; of choices, chances that another one is taken."""
 EPISODES = 32
 """So many disturbed episodes of a behaviour tell its mean pay well enough beside a margin."""

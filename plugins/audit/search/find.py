@@ -11,6 +11,7 @@ import numpy as np
 
 from harness.environment import AnyEnv
 from harness.errors import UsageError, sentence
+from harness.payoff.rollout import FRAGILE
 from harness.recorder.env_facts import Columns
 from harness.registry import Registry
 from harness.reward.terms import paid_twice, paid_twice_text
@@ -19,7 +20,7 @@ from harness.text import number
 from ..transitions.audit_rewards import GAMMA, ByName
 from .behaviour import Behaviour, Rates, Role, Searched
 from .disturb import NOISES, Acting, noise_curve, paid_at, rested, strength_of
-from .finding import FRAGILE, NAMES, Finding
+from .finding import NAMES, Finding
 from .held_out import act_of
 from .judge import Walk, Walks, judge
 from .place import Place, blamed_at, elsewhere_of, world_at

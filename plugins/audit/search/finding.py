@@ -17,8 +17,6 @@ from harness.files.plain import Plain, tells, to_plain
 from .behaviour import Behaviour, Role, Searched
 from .world import Shown
 
-ROBUST, FRAGILE = "ROBUST", "FRAGILE"
-"""Beside an alarm: whether what was found still pays more than doing the task while actions are disturbed."""
 NAMES: Mapping[Role, str] = {
     "fastest": "fastest success", "failure": "best-paid failure", "success": "best-paid success"
 }  # fmt: skip
@@ -73,7 +71,7 @@ class Finding(Plain):
         gamma: The learner's discount per step.
         success: What tells success; empty if nothing does.
         word: The answer, one of the four.
-        strength: `ROBUST` or `FRAGILE` beside an alarm; else empty.
+        strength: ``ROBUST`` or ``FRAGILE`` beside an alarm; else empty.
         lines: The answer in sentences; the first one says the three numbers.
         alarmed: The starts where the alarm holds.
         starts: All that were searched.
