@@ -170,12 +170,13 @@ def hint_of(
     elif paid.half >= LEAST and paid.surprise() >= ROSE:
         before, now = did.halves
         fell = before - now >= least and did.surprise(-1.0) >= FELL
-        if fell or (now <= before and is_flag and 0 < FIRST * asked <= steps[-1] and _stays_low(good, steps, asked)):
+        is_late = 0 < FIRST * asked <= steps[-1]
+        if fell or (now - before < least and is_flag and is_late and _stays_low(good, steps, asked)):
             earned, earns = (f"{it:.3g}" for it in paid.halves)
             first, last = (f"{100 * it:.0f} %" if is_flag else f"{abs(it):.3g}" for it in (before, now))
-            did_not = "did not: from" if not fell else "rose from" if better == "lower" else "fell from"
+            moved = "stayed low: from" if not fell else "rose from" if better == "lower" else "fell from"
             since = f"since step {steps[(len(paid.means) - paid.half) * size - 1]:,}"
-            told = f"Pay rose from {earned} to {earns} {since} while {name} {did_not} {first} to {last}"
+            told = f"Pay rose from {earned} to {earns} {since} while {name} {moved} {first} to {last}"
     return told and f"{told}. It is a hint, not a verdict."
 
 
@@ -262,11 +263,11 @@ class _Series:
     def alike(self) -> float:
         """How much of a deviation stays to the next block, 0 to 0.9: blocks two apart differ by more than neighbours.
 
-        Of medians, so that a jump does not count. Where most neighbours are equal, as successes are, the median is 0:
-        then of means without the largest jump.
+        A deviation is one from the straight line of its half, so that what is learnt is none; where success is rare the
+        line says little, and most stays. Of medians, so that a jump does not count.
         """
-        squares = [np.sort((self.means[gap:] - self.means[:-gap]) ** 2) for gap in (1, 2)]
-        near, far = (float(np.median(it)) for it in squares)
-        if near == 0.0:
-            near, far = (float(np.mean(it[:-gap])) if len(it) > gap else 0.0 for gap, it in enumerate(squares, 1))
+        halves, clock = np.array([self.means[: self.half], self.means[-self.half :]]), np.arange(self.half)
+        slope, height = np.polyfit(clock, halves.T, 1)
+        apart = halves - height[:, np.newaxis] - np.outer(slope, clock)
+        near, far = (float(np.median((apart[:, gap:] - apart[:, :-gap]) ** 2)) for gap in (1, 2))
         return min(max(far / near - 1.0, 0.0), 0.9) if near > 0.0 else 0.0

@@ -55,17 +55,19 @@ def test_hint_counts_neighbours_of_a_number(rng):
 
 def test_hint_says_that_success_stays_low(rng):
     """From a third of the steps on that were asked for, and where somebody said how many; above one half nothing."""
-    pay, never = 3.0 * LATER + rng.normal(size=256), np.zeros(256)
-    told = "while success did not: from 0 % to 0 %. It is a hint, not a verdict."
+    pay, never, twice = 3.0 * LATER + rng.normal(size=256), np.zeros(256), np.arange(256) % 100 == 99
+    told = "while success stayed low: from 0 % to 0 %. It is a hint, not a verdict."
     assert hint(pay, never, asked=3 * 25_600).endswith(told)
     assert hint(pay, never, asked=3 * 25_600 + 2) == hint(pay, never) == ""
+    assert "while success stayed low: from 1 % to 1 %" in hint(pay, twice, asked=25_600)
+    assert "while success stayed low: from 0 % to 1 %" in hint(pay, twice & LATER, asked=25_600)
     assert hint(pay, np.ones(256), asked=25_600) == ""
 
 
 def test_few_failures_tell_that_success_stays_low(rng):
     """20 of them will do; not of a pay that stays, nor where success is 50 %."""
     pay, never, half = 10.0 * (LATER[::12] + 0.1 * rng.random(22)), np.zeros(22), np.arange(22) % 2
-    assert "while success did not: from 0 % to 0 %" in hint(pay, never, asked=2_200)
+    assert "while success stayed low: from 0 % to 0 %" in hint(pay, never, asked=2_200)
     assert hint(rng.random(22), never, asked=2_200) == hint(pay, half, asked=2_200) == ""
 
 
