@@ -266,6 +266,10 @@ def reading(path: Path, noun: str, kind: type[HarnessError] = SchemaError) -> It
         found = kind_at(path)
         is_other = found is not None and noun not in found.name and not path.name.lower().endswith(found.endings)
         reason = f"it is {found.sentence}" if found is not None and is_other else one_line(error)
+        if not path.exists():
+            reason = "there is no such file"
+        elif path.is_file() and not path.stat().st_size:
+            reason = "it is empty"
         raise kind(f"{path} is no readable {noun}: {reason}") from error
 
 

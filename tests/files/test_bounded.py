@@ -64,6 +64,15 @@ def test_whatever_a_reader_raises_is_one_line(tmp_path, error):
             raise error
 
 
+@pytest.mark.parametrize(("made", "told"), [(True, "it is empty"), (False, "there is no such file")])
+def test_what_is_empty_or_missing_is_said_to_be(tmp_path, made, told):
+    """Whatever a library says of it."""
+    if made:
+        (tmp_path / "a").touch()
+    with refused(f"a is no readable mesh: {told}"), reading(tmp_path / "a", "mesh", UsageError):
+        raise ValueError("cannot mmap an empty file")
+
+
 def test_reader_of_what_a_user_named_raises_a_usage_error(tmp_path):
     """The caller says so."""
     with refused("no readable robot"), reading(tmp_path, "robot", UsageError):

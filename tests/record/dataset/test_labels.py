@@ -86,7 +86,7 @@ def test_a_file_of_labels_may_have_a_threshold(tmp_path):
         ("episode,success,success\n0,1,0\n", "names a column twice"),
         ("episode,Episode,success\n0,1,0\n", "once each"),
         ("episode,success\n0,yes\n", "line 2 says 'yes': 0, 1, false and true are labels"),
-        (None, "is no readable table"),
+        (None, "is no readable table: there is no such file"),
     ],
 )
 def test_a_file_of_labels_that_is_none_is_one_line(tmp_path, text, told):
