@@ -390,7 +390,7 @@ def require_columns(where: object, names: Collection[str], *wanted: str) -> None
     for name in wanted:
         if name and name not in names:
             there = shortened(", ".join(names), 160) or "none"
-            raise UsageError(f"{where} has no '{name}'. It has: {there}{nearest(name, list(names))}")
+            raise UsageError(f"{where} has no '{name}'. It has: {there}{nearest(name, tuple(names))}")
 
 
 def _count(facts: LogFacts, columns: Columns) -> int:

@@ -54,7 +54,7 @@ class Untold(KeyError):
     def __str__(self) -> str:
         key, there = self.args
         told = ", ".join(map(repr, there)) or "nothing"
-        return f"info has no {key!r}; it has {told}{nearest(str(key), map(str, there))}"
+        return f"info has no {key!r}; it has {told}{nearest(str(key), tuple(map(str, there)))}"
 
 
 def told_under(info: Mapping[str, Any], key: str) -> Any:
@@ -221,7 +221,11 @@ def weights_of(reward: str, given: Mapping[str, Any], terms: Collection[str]) ->
     found: dict[str, float] = {}
     for term, weight in given.items():
         if term not in terms:
-            has = f"It has: {', '.join(terms)}{nearest(term, terms)}" if terms else "It pays a number without terms"
+            has = (
+                f"It has: {', '.join(terms)}{nearest(term, tuple(terms))}"
+                if terms
+                else "It pays a number without terms"
+            )
             raise UsageError(f"Reward '{reward}' has no term '{term}' to weigh. {has}")
         try:
             found[term] = float(weight)

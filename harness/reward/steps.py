@@ -8,7 +8,7 @@ import difflib
 from collections import namedtuple
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from itertools import islice
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
@@ -42,16 +42,20 @@ class MissingField(UsageError, AttributeError):
             where: What the steps are of, to begin the message with.
             told: A last sentence.
         """
-        self.field, names = field, list(there)
+        self.field, names = field, tuple(there)
         guess = nearest(field.rpartition(".")[2], names)
         super().__init__(
             f"{where} has no '{field}'. It has: {', '.join(names)}.{guess.lstrip('.')}{told and f' {told}'}"
         )
 
 
-def nearest(name: str, there: Iterable[str]) -> str:
-    """The nearest of the names that there are, as the end of a sentence; empty if none is near."""
-    near = difflib.get_close_matches(SYNONYMS.get(name, name), list(there), n=1)
+@lru_cache(256)
+def nearest(name: str, there: tuple[str, ...]) -> str:
+    """The nearest of the names that there are, as the end of a sentence; empty if none is near.
+
+    Kept, since a reward may ask in every step whether a field is there.
+    """
+    near = difflib.get_close_matches(SYNONYMS.get(name, name), there, n=1)
     return f". Did you mean '{near[0]}'?" if near else ""
 
 

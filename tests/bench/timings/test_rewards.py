@@ -27,8 +27,13 @@ def terms(step):
     }
 
 
+def asks(step):
+    """Nearness, and what a step does not tell here."""
+    return -step.distance + getattr(step, "reached", 0.0)
+
+
 @pytest.mark.parametrize("num_envs", [1, 64, 1024])
-@pytest.mark.parametrize("function", [one, terms])
+@pytest.mark.parametrize("function", [one, terms, asks])
 def test_a_step_costs_little_more(require_speed, step_through, amount, function, num_envs):
     """Without dynamics, where a reward is the largest part of a step that it can be."""
     simulator = choose(REGISTRY, "simulators", "kinematic").build(REGISTRY, "simulators")
