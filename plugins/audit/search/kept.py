@@ -5,7 +5,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from harness import Float, Ints
 
 from .behaviour import Behaviour, Three
+from .moves import Feedback
 from .world import Actions, Data, Outcomes, Rng
 
 PLACES = 600
@@ -24,22 +25,34 @@ MOST = 20_000
 """Cells that are kept; what is new after that is not."""
 
 
+class Way(NamedTuple):
+    """A whole sequence of actions, as a search writes them."""
+
+    genes: Actions
+    """The actions, (horizon, ...)."""
+    length: int = 0
+    """How many steps its episode was long; what it had done later is there too."""
+    hold: Feedback | None = None
+    """By what it held, if it did."""
+
+
 class Cells:
     """For each cell of observations the shortest known way there, and how many episodes went through it."""
 
     def __init__(self, observes: gymnasium.Space[Any]) -> None:
-        self._low: Float | None = None  # open bounds: the first episode tells
-        self._width: Float = np.ones(1)
+        self._low = self._width = np.zeros(0)  # open bounds: the first episode tells
         if isinstance(observes, gymnasium.spaces.Box) and np.isfinite([observes.low, observes.high]).all():
-            low, high = observes.low.astype(np.float64).ravel(), observes.high.astype(np.float64).ravel()
-            self._low, self._width = low, np.maximum(high - low, 1e-9) / _parts(len(low))
-        self._place: dict[bytes, int] = {}
-        self._ways: list[Actions] = []
-        self._steps: list[int] = []
-        self._visits: list[int] = []
+            self._cut(np.stack([observes.low.ravel(), observes.high.ravel()]).astype(np.float64), 1e-9)
+        self._ways: dict[bytes, Way] = {}
+        self._visits: dict[bytes, int] = {}
 
     def __len__(self) -> int:
         return len(self._ways)
+
+    def _cut(self, seen: Float, least: float) -> None:
+        """Cut what lies between observations into cells, each at least so wide."""
+        parts = max(COARSEST, round(float(PLACES ** (1.0 / max(seen.shape[1], 1)))))
+        self._low, self._width = seen.min(axis=0), np.maximum(np.ptp(seen, axis=0), least) / parts
 
     def add(self, trail: Float, genes: Actions) -> None:
         """Note where an episode went.
@@ -48,33 +61,20 @@ class Cells:
             trail: Its observations, (steps + 1, size).
             genes: Its actions, (horizon, ...).
         """
-        if self._low is None or len(self._low) != trail.shape[1]:
-            self._low, self._width = trail.min(axis=0), np.maximum(np.ptp(trail, axis=0), 1e-6) / _parts(trail.shape[1])
+        if len(self._low) != trail.shape[1]:
+            self._cut(trail, 1e-6)
         keys = np.floor((trail - self._low) / self._width).clip(-1e6, 1e6).astype(np.int32)
         cells, first = np.unique(keys, axis=0, return_index=True)
-        for cell, step in zip(cells, first.tolist(), strict=True):
-            key = cell.tobytes()
-            place = self._place.get(key)
-            if place is not None:
-                self._visits[place] += 1
-                if step < self._steps[place]:
-                    self._ways[place], self._steps[place] = genes, step
-            elif len(self) < MOST:
-                self._place[key] = len(self)
-                self._ways.append(genes)
-                self._steps.append(step)
-                self._visits.append(1)
+        for key, step in zip(map(np.ndarray.tobytes, cells), first.tolist(), strict=True):
+            if key in self._ways or len(self) < MOST:
+                self._visits[key] = self._visits.get(key, 0) + 1
+                if step < self._ways.setdefault(key, Way(genes, step)).length:
+                    self._ways[key] = Way(genes, step)
 
-    def draw(self, rng: Rng, count: int) -> tuple[list[Actions], Ints]:
-        """Ways to cells, rare ones more often, and after how many steps each is there, (count,)."""
-        weights = 1.0 / np.sqrt(np.asarray(self._visits, np.float64))
-        places = rng.choice(len(self), count, p=weights / weights.sum())
-        return [self._ways[it] for it in places], np.asarray(self._steps, np.int64)[places]
-
-
-def _parts(size: int) -> int:
-    """Into how many cells each of so many numbers is cut."""
-    return max(COARSEST, round(float(PLACES ** (1.0 / max(size, 1)))))
+    def draw(self, rng: Rng, count: int) -> list[Way]:
+        """Ways to cells, rare ones more often."""
+        ways, weights = list(self._ways.values()), 1.0 / np.sqrt(np.array(list(self._visits.values()), np.float64))
+        return [ways[it] for it in rng.choice(len(ways), count, p=weights / weights.sum())]
 
 
 AS_FAST = 1.1

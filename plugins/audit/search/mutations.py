@@ -49,12 +49,6 @@ class Pairs:
         """The steps, (1, horizon)."""
         return np.arange(self.horizon)[None]
 
-    def of(self, rows: NDArray[Any]) -> "Pairs":
-        """Some of them."""
-        return Pairs(
-            self.moves, self.rng, *(it[rows] for it in (self.first, self.length, self.second, self.second_length))
-        )
-
 
 Mutation: TypeAlias = Callable[[Pairs], Actions]
 

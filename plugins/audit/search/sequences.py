@@ -5,17 +5,18 @@ until success is met, what came nearest or went where nothing else did. The last
 alone, so that a failure is not called better paid only because successes were searched less.
 """
 
+import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness import Float, Ints
+from harness import Float, Ints, Mask
 from harness.experiment.environments.spaces import rows_of
 
-from .kept import Cells, Kept
+from .kept import Cells, Kept, Way
 from .moves import Feedback, draw_feedback, moves_in
 from .mutations import Pairs, mutations_of
 from .world import Actions, Data, Outcomes, Rng, World
@@ -33,8 +34,6 @@ many, where it plays many side by side."""
 FINISHING = 0.3
 """The share of a budget, the last, that breeds for successes alone."""
 Weights = Mapping[str, float]
-Holds = NDArray[np.object_]
-"""By what each of some sequences held: a `Feedback`, or None."""
 SEEKING: Weights = {FAILURES: 3, FAILURES_LATER: 1, NEAREST: 4, CELLS: 4, FRESH: 1.5}
 """How often each archive breeds while no success of the start is known."""
 WEIGHING: Weights = {
@@ -54,44 +53,36 @@ TWICE = 0.25
 """The share of children that are mutated twice."""
 
 
-@dataclass(eq=False)
 class Archive:
     """The best sequences of one start, by one score, none of them twice.
 
     Attributes:
-        room: How many it keeps.
-        genes: The sequences, the best first, (n, horizon, ...).
-        length: How long their episodes were, (n,).
-        score: Larger is better, (n,).
-        holds: By what each of them held, if it did, (n,).
+        ways: The sequences, the best first.
     """
 
-    room: int
-    genes: Actions
-    length: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
-    score: Float = field(default_factory=lambda: np.zeros(0))
-    holds: Holds = field(default_factory=lambda: np.zeros(0, object))
+    def __init__(self, room: int) -> None:
+        """Keep nothing yet; `room` is how many it keeps."""
+        self.room, self.ways, self._scores = room, list[Way](), np.zeros(0)
 
-    def __len__(self) -> int:
-        return len(self.length)
-
-    def offer(self, genes: Actions, length: Ints, score: Float, holds: Holds) -> NDArray[Any]:
-        """Keep the best of these and those; says which of these were kept, (n,)."""
-        if not len(length):
+    def offer(self, ways: Sequence[Way], scores: Float) -> Mask:
+        """Keep the best of these and those, larger scores are better; says which of these were kept, (n,)."""
+        if not ways:
             return np.zeros(0, bool)
-        known = len(self)
-        every = (self.genes, genes), (self.length, length), (self.score, score), (self.holds, holds)
-        genes, length, score, holds = map(np.concatenate, every)
+        every, score = [*self.ways, *ways], np.concatenate([self._scores, scores])
         unit = 1e-6 * max(float(np.abs(score).max()), 1e-9)  # scores that differ by less are alike
-        alike = list(zip(np.round(score / unit).tolist(), length.tolist(), strict=True))
+        alike = list(zip(np.round(score / unit).tolist(), (it.length for it in every), strict=True))
         first: dict[tuple[float, int], int] = {}
         for place in np.argsort(-score, kind="stable").tolist():
             first.setdefault(alike[place], place)
         best = [*first.values()][: self.room]
-        kept = np.isin(np.arange(known, len(score)), best)
+        kept = np.isin(np.arange(len(self.ways), len(every)), best)
         if kept.any():
-            self.genes, self.length, self.score, self.holds = genes[best], length[best], score[best], holds[best]
+            self.ways, self._scores = [every[it] for it in best], score[best]
         return kept
+
+    def draw(self, rng: Rng, count: int) -> list[Way]:
+        """Some of them, the better the more often."""
+        return [self.ways[it] for it in (len(self.ways) * rng.random(count) ** 1.5).astype(np.int64)]
 
 
 class Evolution:
@@ -106,18 +97,17 @@ class Evolution:
         self.world, self.kept = world, kept
         self._rng, self._moves = rng, moves_in(world.space)
         self._mutations = mutations_of(self._moves)
-        self._useful = np.ones((2, len(self._mutations)))  # children that an archive kept, children
-        none = self._moves.white(np.random.default_rng(0), 0, world.horizon)
         rooms = {FAILURES: MANY, SUCCESSES: MANY, FASTEST: FEWER, NEAREST: FEWER}
         if world.gamma < 1.0:
             rooms |= {FAILURES_LATER: FEWER, SUCCESSES_LATER: FEWER}
-        self._archives = [{name: Archive(room, none) for name, room in rooms.items()} for _ in kept.starts]
+        self._archives = [{name: Archive(room) for name, room in rooms.items()} for _ in kept.starts]
         self._cells = [Cells(world.observes) for _ in kept.starts]
         self._spread: Float = np.zeros(0)  # of observations; none where sequences do not hold
         self._proved: list[Feedback] = []
-        self._held = np.ones((2, 2))  # the same of children that hold, and of those that do not
+        # children that an archive kept, and children: by mutation; of those that hold, and of those that do not
+        self._useful, self._held = np.ones((2, len(self._mutations))), np.ones((2, 2))
 
-    def play(self, rows: Ints, genes: Actions, holds: Holds) -> tuple[Outcomes, NDArray[Any]]:
+    def _play(self, rows: Ints, genes: Actions, holds: Sequence[Feedback | None]) -> tuple[Outcomes, Mask]:
         """Play sequences, (n, horizon, ...), each at the start of a row; also says which an archive kept, (n,)."""
         actions = self._moves.played(genes)
         outcomes = self.world.play(self.kept.starts[rows], actions)
@@ -131,11 +121,12 @@ class Evolution:
         outcomes: Outcomes,
         made_by: str,
         policies: Sequence[Data | None] = (),
-    ) -> None:
-        """Keep episodes that others have played, and breed from them; see `Kept.add`."""
+        hold: Feedback | None = None,
+    ) -> bool:
+        """Keep episodes that others have played, and breed from them, see `Kept.add`; says whether an archive did."""
         self.kept.add(rows, actions, outcomes, made_by, policies)
-        genes = np.stack([self._moves.written(self.filled(it)) for it in actions])
-        self._file(rows, genes, outcomes, np.full(len(rows), None))
+        genes = [self._moves.written(self.filled(it)) for it in actions]
+        return bool(self._file(rows, genes, outcomes, [hold] * len(rows)).any())
 
     def filled(self, actions: Actions) -> Actions:
         """What an episode of the world took, (steps, ...), as long as the horizon: noise follows it."""
@@ -148,7 +139,7 @@ class Evolution:
         count, steps = len(self.kept.starts), self.world.horizon
         colours = [self._moves.white] * rounds + [self._moves.coloured] * rounds
         genes = np.concatenate([colour(self._rng, count, steps) for colour in colours])
-        outcomes, _ = self.play(np.tile(np.arange(count), len(colours)), genes, np.full(len(genes), None))
+        outcomes, _ = self._play(np.tile(np.arange(count), len(colours)), genes, [None] * len(genes))
         seen = outcomes.trails
         if seen and seen[0].shape[1] <= MOST_SEEN and self.world.together == 1:
             self._spread = np.maximum(np.concatenate(seen).std(axis=0), 1e-3)
@@ -158,26 +149,24 @@ class Evolution:
 
     def generation(self, children: int, ending: bool) -> None:
         """Breed and play so many children of each start."""
-        rows = np.repeat(np.arange(len(self.kept.starts)), children)
+        rows, rng = np.repeat(np.arange(len(self.kept.starts)), children), self._rng
         families = [self._parents(row, children, ending) for row in range(len(self.kept.starts))]
-        pairs = Pairs(
-            self._moves, self._rng, *(np.concatenate(part) for part in zip(*(it[0] for it in families), strict=True))
-        )
-        free, holds = (np.concatenate([it[which] for it in families]) for which in (1, 2))
+        first, second, is_free = (list(itertools.chain(*parts)) for parts in zip(*families, strict=True))
         rates = self._useful[0] / self._useful[1]
         chances = 0.4 / len(rates) + 0.6 * rates / rates.sum()
-        chosen = np.where(free, -1, self._rng.choice(len(rates), len(rows), p=chances))
-        genes = self._mutated(pairs, chosen)
+        chosen = np.where(is_free, -1, rng.choice(len(rates), len(rows), p=chances))
+        genes = self._mutated(first, second, chosen)
         rates = self._held[0] / self._held[1]
         share = float(np.clip(rates[0] / rates.sum(), 0.1, 0.6)) if len(self._spread) else 0.0
-        holding = self._rng.random(len(rows)) < share
+        holding = rng.random(len(rows)) < share
         entered = np.zeros(len(rows), bool)
         if not holding.all():
-            _, entered[~holding] = self.play(rows[~holding], genes[~holding], holds[~holding])
+            free = np.flatnonzero(~holding)
+            _, entered[free] = self._play(rows[free], genes[free], [first[k].hold for k in free])
         for k in np.flatnonzero(holding):
-            length = max(1, int(pairs.length[k]))
+            length = max(1, first[k].length)
             entered[k] = self._hold(
-                rows[[k]], genes[k], holds[k], length if free[k] else int(self._rng.integers(length))
+                rows[[k]], genes[k], first[k].hold, length if is_free[k] else int(rng.integers(length))
             )
         for which in range(len(chances)):
             these = (chosen == which) & ~holding
@@ -198,71 +187,73 @@ class Evolution:
             held = draw_feedback(rng, self._moves, self._spread, step)
         policy = held.after(self._moves.played(genes), self._moves, lambda seen: np.asarray(flat(seen), np.float32))
         outcomes, taken = self.world.act(self.kept.starts[row], policy)
-        self.kept.add(row, taken, outcomes, "search")
-        filled = self._moves.written(self.filled(taken[0]))[np.newaxis]
-        is_kept = bool(self._file(row, filled, outcomes, np.array([held], object))[0])
+        is_kept = self.take(row, taken, outcomes, "search", hold=held)
         if is_kept:
             self._proved = [*self._proved[1 - PROVED :], held]
         return is_kept
 
-    def _parents(self, row: int, count: int, ending: bool) -> tuple[tuple[Any, ...], NDArray[Any], NDArray[Any]]:
-        """Pairs for the children of one start, as `Pairs` takes them; which are to be left; what the first held."""
-        archives, rng = self._archives[row], self._rng
+    def _parents(self, row: int, count: int, ending: bool) -> tuple[list[Way], list[Way], Sequence[bool]]:
+        """Parents of the children of one start: who is changed, whose parts may be put in; and who is to be left."""
+        archives, rng, horizon = self._archives[row], self._rng, self.world.horizon
         weights = SUCCEEDING if ending else WEIGHING
-        if not len(archives[SUCCESSES]):
+        if not archives[SUCCESSES].ways:
             weights = SEEKING
-        sizes = {name: len(it) for name, it in archives.items()} | {CELLS: len(self._cells[row]), FRESH: 1}
+        sizes = {name: len(it.ways) for name, it in archives.items()} | {CELLS: len(self._cells[row]), FRESH: 1}
         able = [name for name in weights if sizes.get(name)]
         shares = np.array([weights[name] for name in able])
         best = self.kept.plain[row]
         if ending and best.failure_pay > best.success_pay:
             shares[able.index(FAILURES)] *= 3.0
         names = rng.choice(len(able), count, p=shares / shares.sum())
-        first = self._moves.coloured(rng, count, self.world.horizon)
-        length, holds = np.zeros(count, np.int64), np.full(count, None)
+        first = [Way(genes) for genes in self._moves.coloured(rng, count, horizon)]
         for place, name in enumerate(able):
-            these = np.flatnonzero(names == place)
+            these = np.flatnonzero(names == place).tolist()
             if name in archives:
-                first[these], length[these], holds[these] = self._drawn(archives[name], len(these))
-            elif name == CELLS and len(these):
-                ways, steps = self._cells[row].draw(rng, len(these))
-                before = np.arange(self.world.horizon) < steps[:, None]
-                shape = before.reshape(*before.shape, *(1,) * (first.ndim - 2))
-                first[these], length[these] = np.where(shape, np.stack(ways), first[these]), steps
+                for k, way in zip(these, archives[name].draw(rng, len(these)), strict=True):
+                    first[k] = way
+            elif name == CELLS and these:
+                for k, (genes, steps, _) in zip(these, self._cells[row].draw(rng, len(these)), strict=True):
+                    first[k] = Way(np.concatenate([genes[:steps], first[k].genes[steps:]]), steps)
         # the other parents: successes and failures of the start as often, some of another start
         rows = np.where(rng.random(count) < 0.1, rng.integers(len(self.kept.starts), size=count), row)
         kinds = rng.integers(2, size=count)
-        second = self._moves.coloured(rng, count, self.world.horizon)
-        second_length = np.full(count, self.world.horizon)
+        second = [Way(genes, horizon) for genes in self._moves.coloured(rng, count, horizon)]
         for at, kind in {(int(at), int(kind)) for at, kind in zip(rows, kinds, strict=True)}:
-            these = np.flatnonzero((rows == at) & (kinds == kind))
+            these = np.flatnonzero((rows == at) & (kinds == kind)).tolist()
             archive = self._archives[at][(FAILURES, SUCCESSES)[kind]]
-            if len(archive):
-                second[these], second_length[these], _ = self._drawn(archive, len(these))
-        is_free = np.isin(names, [place for place, name in enumerate(able) if name in (CELLS, FRESH)])
-        return (first, length, second, second_length), is_free, holds
+            if archive.ways:
+                for k, way in zip(these, archive.draw(rng, len(these)), strict=True):
+                    second[k] = way
+        return first, second, [able[name] in (CELLS, FRESH) for name in names]
 
-    def _drawn(self, archive: Archive, count: int) -> tuple[Actions, Ints, Holds]:
-        """Members of an archive, the better the more often."""
-        places = (len(archive) * self._rng.random(count) ** 1.5).astype(np.int64)
-        return archive.genes[places], archive.length[places], archive.holds[places]
-
-    def _mutated(self, pairs: Pairs, chosen: NDArray[Any]) -> Actions:
+    def _mutated(self, first: Sequence[Way], second: Sequence[Way], chosen: NDArray[Any]) -> Actions:
         """Children, each by its mutation and a quarter of them by a second one; those without any are as they are."""
-        genes = pairs.first.copy()
-        twice = (chosen >= 0) & (self._rng.random(len(pairs)) < TWICE)
-        again = self._rng.integers(len(self._mutations), size=len(pairs))
+        genes = np.stack([it.genes for it in first])
+        twice = (chosen >= 0) & (self._rng.random(len(genes)) < TWICE)
+        again = self._rng.integers(len(self._mutations), size=len(genes))
         for wanted in (chosen, np.where(twice, again, -1)):
             for which, mutation in enumerate(self._mutations):
-                these = np.flatnonzero(wanted == which)
-                if len(these):
-                    of = pairs.of(these)
-                    genes[these] = mutation(replace(of, first=genes[these]))
+                these = np.flatnonzero(wanted == which).tolist()
+                if these:
+                    others = [second[k] for k in these]
+                    genes[these] = mutation(
+                        Pairs(
+                            self._moves,
+                            self._rng,
+                            genes[these],
+                            np.array([first[k].length for k in these]),
+                            np.stack([it.genes for it in others]),
+                            np.array([it.length for it in others]),
+                        )
+                    )
         return genes
 
-    def _file(self, rows: Ints, genes: Actions, outcomes: Outcomes, holds: Holds) -> NDArray[Any]:
+    def _file(
+        self, rows: Ints, genes: Sequence[Actions] | Actions, outcomes: Outcomes, holds: Sequence[Feedback | None]
+    ) -> Mask:
         """Offer episodes to the archives and the cells; says which an archive kept, (n,)."""
         entered = np.zeros(len(rows), bool)
+        ways = list(map(Way, genes, outcomes.steps.tolist(), holds))
         scores = {
             FAILURES: (outcomes.paid, ~outcomes.success),
             FAILURES_LATER: (outcomes.discounted, ~outcomes.success),
@@ -275,7 +266,7 @@ class Evolution:
             for name, archive in self._archives[row].items():
                 score, chosen = scores[name]
                 these = np.flatnonzero((rows == row) & chosen & np.isfinite(score))
-                entered[these] |= archive.offer(genes[these], outcomes.steps[these], score[these], holds[these])
+                entered[these] |= archive.offer([ways[k] for k in these], score[these])
         for k, trail in enumerate(outcomes.trails):
             self._cells[rows[k]].add(trail, genes[k])
         return entered

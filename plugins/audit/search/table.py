@@ -39,7 +39,7 @@ SLOWER = 1.1
 """A success is about as fast as the fastest one up to so many times its time."""
 
 
-Keep: TypeAlias = Callable[[Ints, Sequence[Actions], Outcomes, str, Sequence[Data | None]], None]
+Keep: TypeAlias = Callable[[Ints, Sequence[Actions], Outcomes, str, Sequence[Data | None]], object]
 """Takes in episodes: their starts as places in the starts of a search, actions, outcomes, what made them, policies."""
 
 

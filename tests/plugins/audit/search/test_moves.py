@@ -53,8 +53,8 @@ def test_the_shortest_way_to_a_cell_is_kept_and_rare_cells_are_drawn_more():
     for k in range(100):
         cells.add(np.array([[0.05], [0.05], [0.15]]), np.array([k]))
     cells.add(np.array([[0.05], [0.15], [0.95]]), np.array([777]))
-    ways, steps = cells.draw(default_rng(0), 3_000)
-    rare = np.array([way[0] == 777 for way in ways])
+    ways = cells.draw(default_rng(0), 3_000)
+    steps, rare = np.array([way.length for way in ways]), np.array([way.genes[0] == 777 for way in ways])
     assert len(cells) == 3
     assert (set(steps[rare]), set(steps[~rare])) == ({1, 2}, {0})
     assert (steps == 2).mean() > 0.7
