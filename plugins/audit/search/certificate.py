@@ -5,26 +5,28 @@ A file holds names and numbers, never code. It may come from a stranger, so that
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal, NotRequired
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict, Field, StringConstraints, with_config
+from pydantic import Field, with_config
 from typing_extensions import TypedDict
 
+from harness import Float, Mask
 from harness.files import reading
 from harness.files.bounded import read_sealed, seal, write_whole
+from harness.files.plain import to_plain
 from harness.log.log import episode_sum
-from harness.record.file_forms import ChoiceForm, read_form
+from harness.record.file_forms import EXACT, OPEN, Name, Whole, read_form, told_as
 from harness.text import file_stems, number
 
 from .behaviour import Role
-from .film import MOST_BYTES as MOST_PICTURES, Film
-from .finding import Disturbed
+from .film import Film
 from .held_out import mean_interval
-from .place import Place
+from .place import Place, Text
 from .world import Data, Shown, since
 
 FORMAT = 1
@@ -38,32 +40,22 @@ MOST_STEPS, MOST_NUMBERS, MOST_NAMED = 20_000, 500_000, 100
 DRAWN = {"time", "qpos", "target", "distance"}
 """What an arm is drawn from; see `Shown`."""
 
-Text = Annotated[str, StringConstraints(max_length=10_000)]
-Name = Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
 LARGEST = 1e150
 """Sums of such numbers stay finite."""
 ROUNDING = 1e-9
 """By so much of what was paid a sum may differ from that of its steps: versions add in other orders."""
 Number = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
-Whole = Annotated[int, Field(ge=0, lt=2**63)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-Steps = Annotated[list[Number], Field(max_length=MOST_STEPS)]
-Untold = Annotated[list[Number | None], Field(max_length=MOST_STEPS)]
+Row = Annotated[list[Number], Field(max_length=MOST_STEPS)]
+Steps = Annotated[Float, told_as(Annotated[Row, Field(min_length=1)], partial(np.array, dtype=float))]
+Untold = Annotated[
+    Float, told_as(Annotated[list[Number | None], Field(max_length=MOST_STEPS)], partial(np.array, dtype=float))
+]
+Flags = Annotated[
+    Mask, told_as(Annotated[list[Literal[0, 1]], Field(max_length=MOST_STEPS)], partial(np.array, dtype=bool))
+]
 Size = Annotated[int, Field(ge=1, le=MOST_NUMBERS)]
 FEW = Field(max_length=MOST_NAMED)
-
-
-class PlaceForm(TypedDict):
-    """See `Place`."""
-
-    task: ChoiceForm
-    reward: ChoiceForm
-    robot: Text
-    simulator: ChoiceForm | None
-    success: Text
-    gamma: Annotated[float, Field(gt=0.0, le=1.0)]
-    horizon: Annotated[int, Field(ge=1, le=10**9)]
-    plugins: Annotated[list[dict[Name, Text | bool]], FEW]
 
 
 class AnswerForm(TypedDict):
@@ -84,20 +76,52 @@ class NumbersForm(TypedDict):
     numbers: Annotated[list[int | Number], Field(min_length=1, max_length=MOST_NUMBERS)]
 
 
+def numbers_of(array: NDArray[Any]) -> Data:
+    """An array as JSON has it, exactly: its numbers as short as they may be and still be the same in its type."""
+    flat = array.ravel()
+    numbers = [float(str(number)) for number in flat] if array.dtype == np.float32 else flat.tolist()
+    return {"type": array.dtype.name, "shape": list(array.shape), "numbers": numbers}
+
+
+def array_of(data: Data) -> NDArray[Any]:
+    """The array that `numbers_of` told.
+
+    Raises:
+        ValueError: Its numbers do not fill its shape, or its type does not hold them.
+    """
+    if math.prod(data["shape"]) != len(data["numbers"]):
+        raise ValueError(f"it has {len(data['numbers'])} numbers for an array of {data['shape']}")
+    kind = np.dtype(data["type"])
+    if kind.kind in "iu" and not all(isinstance(it, int) for it in data["numbers"]):
+        raise ValueError(f"not all numbers of an array of {kind} are whole")
+    misfit = f"an array of {kind} does not hold its numbers"
+    try:
+        with np.errstate(over="ignore"):
+            array = np.array(data["numbers"]).astype(kind) if kind.kind == "f" else np.array(data["numbers"], kind)
+    except OverflowError:
+        raise ValueError(misfit) from None
+    if not np.isfinite(array).all():
+        raise ValueError(misfit)
+    return array.reshape(data["shape"])
+
+
+Array = Annotated[NDArray[Any], told_as(NumbersForm, array_of)]
+
+
 class PaidForm(TypedDict):
     """What was paid: in all, and at each step; of each term likewise."""
 
     total: Number
     discounted: Number
     of_terms: Annotated[dict[Name, Number], FEW]
-    steps: Annotated[Steps, Field(min_length=1)]
+    steps: Steps
     terms: Annotated[dict[Name, Steps], FEW]
 
 
 class BehaviourForm(TypedDict):
     """What was done: whether each step was a success, and each measure at each step; null where it is not told."""
 
-    success: Annotated[list[Literal[0, 1]], Field(max_length=MOST_STEPS)]
+    success: Flags
     measures: Annotated[dict[Name, Untold], FEW]
     ended: Literal["terminated", "truncated", "cut"]
 
@@ -121,7 +145,7 @@ class FoundForm(TypedDict):
     how: Annotated[list[Text], FEW]
 
 
-@with_config(ConfigDict(strict=True, extra="allow"))
+@with_config(OPEN)
 class RunsOnForm(TypedDict):
     """Versions, machine, and hashes of sources, as a cell's manifest has them."""
 
@@ -141,9 +165,9 @@ class LinearForm(TypedDict):
     """A linear policy; see `Linear`."""
 
     kind: Literal["linear policy"]
-    weights: Annotated[list[Steps], Field(min_length=1, max_length=1_000)]
-    mean: Steps
-    scale: Steps
+    weights: Annotated[list[Row], Field(min_length=1, max_length=1_000)]
+    mean: Row
+    scale: Row
 
 
 class RandomForm(TypedDict):
@@ -161,16 +185,7 @@ class RatingForm(TypedDict):
     success: Annotated[list[Literal[0, 1]], Field(max_length=10_000)]
 
 
-class FilmForm(TypedDict):
-    """See `Film`; the pictures in Base64."""
-
-    reason: Text
-    steps: Annotated[list[Whole], Field(max_length=100)]
-    size: Annotated[list[Annotated[int, Field(ge=1, le=1_000)]], Field(min_length=2, max_length=2)]
-    strip: Annotated[str, StringConstraints(max_length=2 * MOST_PICTURES)]
-
-
-@with_config(ConfigDict(strict=True, extra="forbid"))  # of all forms within it too
+@with_config(EXACT)  # of all forms within it too
 class CertificateForm(TypedDict):
     """The form of the file."""
 
@@ -178,17 +193,17 @@ class CertificateForm(TypedDict):
     what: Literal["certificate"]
     role: Role
     answer: AnswerForm
-    place: PlaceForm
+    place: Place
     runs_on: RunsOnForm
     found: FoundForm
     start: Whole
-    actions: NumbersForm
+    actions: Array
     paid: PaidForm
     behaviour: BehaviourForm
     noise: Annotated[list[DisturbedForm], FEW]
     elsewhere: Annotated[dict[Name, Number], FEW]
-    drawn: NotRequired[Annotated[dict[Name, NumbersForm], Field(max_length=10)]]
-    film: NotRequired[FilmForm]
+    drawn: NotRequired[Annotated[dict[Name, Array], Field(max_length=10)]]
+    film: NotRequired[Film]
     policy: NotRequired[TableForm | LinearForm | RandomForm]
     rating: NotRequired[RatingForm]
 
@@ -204,7 +219,7 @@ class Certificate:
         runs_on: ``versions``, ``machine`` and ``sources`` when it was written.
         found: How it was found, as `FoundForm`.
         shown: The episode.
-        noise: What it was paid while its actions were disturbed.
+        noise: What it was paid while its actions were disturbed, rows as `DisturbedForm`.
         elsewhere: What it is paid in other simulators, by name.
         film: Pictures of it, of one in an environment.
         policy: Who acted, as plain data, where chance decides.
@@ -217,7 +232,7 @@ class Certificate:
     runs_on: Mapping[str, Data]
     found: Data
     shown: Shown
-    noise: tuple[Disturbed, ...]
+    noise: Sequence[Data]
     elsewhere: Mapping[str, float]
     film: Film | None = None
     policy: Data | None = None
@@ -241,22 +256,18 @@ class Certificate:
     def to_json(self) -> Data:
         """Plain data; `from_json` gives the same back."""
         shown = self.shown
-        return {
+        told = {
             "format": FORMAT,
             "what": NOUN,
-            "role": self.role,
-            "answer": dict(self.answer),
-            "place": self.place.to_json(),
-            "runs_on": self.runs_on,
-            "found": dict(self.found),
+            **{name: to_plain(getattr(self, name)) for name in ("role", "answer", "place", "runs_on", "found")},
             "start": shown.start,
             "actions": numbers_of(shown.actions),
             "paid": {
                 "total": self.paid,
                 "discounted": self.discounted,
                 "of_terms": {name: episode_sum(values) for name, values in shown.terms.items()},
-                "terms": {name: values.tolist() for name, values in shown.terms.items()},
-                "steps": shown.paid.tolist(),
+                "terms": to_plain(shown.terms),
+                "steps": to_plain(shown.paid),
             },
             "behaviour": {
                 "success": shown.success.astype(int).tolist(),
@@ -266,12 +277,12 @@ class Certificate:
                 },
                 "ended": shown.ended,
             },
-            "noise": [{name: getattr(row, name) for name in DisturbedForm.__annotations__} for row in self.noise],
-            "elsewhere": dict(self.elsewhere),
-            **({"drawn": {name: numbers_of(it) for name, it in shown.drawn.items()}} if shown.drawn else {}),
-            **({"film": self.film.to_json()} if self.film else {}),
-            **({"policy": dict(self.policy), "rating": dict(self.rating)} if self.policy and self.rating else {}),
+            "noise": to_plain(self.noise),
+            "elsewhere": to_plain(self.elsewhere),
+            "drawn": {name: numbers_of(it) for name, it in shown.drawn.items()},
+            **{name: to_plain(getattr(self, name)) for name in ("film", "policy", "rating")},
         }
+        return {name: it for name, it in told.items() if it or name in CertificateForm.__required_keys__}
 
     @classmethod
     def from_json(cls, data: Data) -> "Certificate":
@@ -280,36 +291,22 @@ class Certificate:
         Raises:
             ValueError: It is something else.
         """
-        read_form(CertificateForm, data)
-        if ("policy" in data) != ("rating" in data):
+        told: Data = read_form(CertificateForm, data)
+        rating, paid = told.get("rating"), told["paid"]
+        if ("policy" in told) != ("rating" in told):
             raise ValueError("policy and rating: one of them is missing")
-        rating, paid, behaviour, role = data.get("rating"), data["paid"], data["behaviour"], data["role"]
         if rating and len({*map(len, rating.values())}) > 1:
             raise ValueError("rating: it has not a number for each start")
         shown = Shown(
-            data["start"],
-            array_of(data["actions"]),
-            np.array(paid["steps"], float),
-            {name: np.array(values, float) for name, values in paid["terms"].items()},
-            np.array(behaviour["success"], bool),
-            {name: np.array(values, float) for name, values in behaviour["measures"].items()},
-            behaviour["ended"],
-            drawn={name: array_of(it) for name, it in data.get("drawn", {}).items()},
+            told["start"],
+            told["actions"],
+            paid["steps"],
+            paid["terms"],
+            **told["behaviour"],
+            drawn=told.get("drawn", {}),
         )
         _require_lengths(shown)
-        made = cls(
-            role,
-            data["answer"],
-            Place.from_json(data["place"]),
-            data["runs_on"],
-            data["found"],
-            shown,
-            tuple(Disturbed(role, **row) for row in data["noise"]),
-            data["elsewhere"],
-            Film.from_json(data["film"]) if "film" in data else None,
-            data.get("policy"),
-            rating,
-        )
+        made = cls(shown=shown, **{it.name: told[it.name] for it in fields(cls) if it.name in told})
         _require_sums(paid, made)
         return made
 
@@ -346,35 +343,6 @@ def file_names(certificates: Sequence[Certificate]) -> list[str]:
     labels = list(dict.fromkeys(it.place.reward.label for it in certificates))
     stems = dict(zip(labels, file_stems(labels), strict=True))
     return [f"{stems[it.place.reward.label]}-{it.role}.json" for it in certificates]
-
-
-def numbers_of(array: NDArray[Any]) -> Data:
-    """An array as JSON has it, exactly: its numbers as short as they may be and still be the same in its type."""
-    flat = array.ravel()
-    numbers = [float(str(number)) for number in flat] if array.dtype == np.float32 else flat.tolist()
-    return {"type": array.dtype.name, "shape": list(array.shape), "numbers": numbers}
-
-
-def array_of(data: Data) -> NDArray[Any]:
-    """The array that `numbers_of` told.
-
-    Raises:
-        ValueError: Its numbers do not fill its shape, or its type does not hold them.
-    """
-    if math.prod(data["shape"]) != len(data["numbers"]):
-        raise ValueError(f"it has {len(data['numbers'])} numbers for an array of {data['shape']}")
-    kind = np.dtype(data["type"])
-    if kind.kind in "iu" and not all(isinstance(it, int) for it in data["numbers"]):
-        raise ValueError(f"not all numbers of an array of {kind} are whole")
-    misfit = f"an array of {kind} does not hold its numbers"
-    try:
-        with np.errstate(over="ignore"):
-            array = np.array(data["numbers"]).astype(kind) if kind.kind == "f" else np.array(data["numbers"], kind)
-    except OverflowError:
-        raise ValueError(misfit) from None
-    if not np.isfinite(array).all():
-        raise ValueError(misfit)
-    return array.reshape(data["shape"])
 
 
 def _require_sums(paid: Data, made: Certificate) -> None:

@@ -7,23 +7,28 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
+from pydantic import Field, StringConstraints, with_config
 
 from harness.environment import AnyEnv
 from harness.errors import HarnessError, reason_of
 from harness.experiment.environments.frames import strip_of
 from harness.experiment.environments.played_again import let_draw, picture_of
+from harness.files.plain import Plain
+from harness.record.file_forms import EXACT, Whole, told_as
 from harness.registry import Registry, load_registry
 from harness.registry.given import Given
 from harness.registry.spec import require_pillow
 from harness.text import one_line
 
-from .place import Place
+from .place import Place, Text
 from .spaces import coded
-from .world import Actions, Data, Shown
+from .world import Actions, Shown
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -37,37 +42,41 @@ MOST_BYTES = 230_000
 SCREEN = "harness doctor says what is missing; without a screen MuJoCo needs MUJOCO_GL=egl"
 PATIENCE = 120.0
 """Seconds in which the pictures of all behaviours of a reward have to be drawn."""
+Pixels = Annotated[int, Field(ge=1, le=1_000)]
 
 
-class Film(NamedTuple):
-    """Pictures of one behaviour."""
+@with_config(EXACT)
+@dataclass(frozen=True)
+class Film(Plain):
+    """Pictures of one behaviour.
 
-    reason: str = ""
-    """Why there are none; empty if there are some."""
-    steps: tuple[int, ...] = ()
-    """After which step each was taken; the first is 0."""
-    size: tuple[int, int] = (1, 1)
-    """Width and height of a picture, [px]."""
-    strip: bytes = b""
-    """All pictures side by side, as WebP."""
+    Attributes:
+        reason: Why there are none; empty if there are some.
+        steps: After which step each was taken; the first is 0.
+        size: Width and height of a picture, [px].
+        strip: All pictures side by side, as WebP; in a file in Base64.
 
-    def to_json(self) -> Data:
-        """Plain data; `from_json` gives the same back."""
-        return {**self._asdict(), "strip": base64.b64encode(self.strip).decode()}
+    Raises:
+        ValueError: It holds no pictures of these steps.
+    """
 
-    @classmethod
-    def from_json(cls, data: Data) -> "Film":
-        """What `to_json` told.
+    reason: Text = ""
+    steps: Annotated[tuple[Whole, ...], Field(max_length=100)] = ()
+    size: tuple[Pixels, Pixels] = (1, 1)
+    strip: Annotated[
+        bytes,
+        told_as(Annotated[str, StringConstraints(max_length=2 * MOST_BYTES)], partial(base64.b64decode, validate=True)),
+    ] = b""
 
-        Raises:
-            ValueError: It holds no pictures of these steps.
-        """
-        strip, steps = base64.b64decode(data["strip"], validate=True), tuple(data["steps"])
-        if strip and (strip[:4], strip[8:12]) != (b"RIFF", b"WEBP"):
+    def __post_init__(self) -> None:
+        if self.strip and (self.strip[:4], self.strip[8:12]) != (b"RIFF", b"WEBP"):
             raise ValueError("its pictures are no WebP")
-        if bool(strip) != bool(steps) or any(b <= a for a, b in pairwise(steps)):
+        if bool(self.strip) != bool(self.steps) or any(b <= a for a, b in pairwise(self.steps)):
             raise ValueError("its pictures are not of steps in order")
-        return cls(data["reason"], steps, tuple(data["size"]), strip)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {**super().to_json(), "strip": base64.b64encode(self.strip).decode()}
 
 
 def films_of(place: Place, registry: Registry, episodes: Sequence[Shown]) -> list[Film]:

@@ -1,7 +1,8 @@
 """What a search found as one HTML file: behaviours beside one another, as films, as curves of pay, as numbers."""
 
 import base64
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -121,26 +122,27 @@ def _distinct(group: Mapping[Role, Certificate]) -> dict[str, Certificate]:
 
 
 def _table(shown: Shown) -> Grid:
-    """The behaviours in numbers, a column each."""
+    """The behaviours in numbers, a column each; no row in which nothing is told."""
+    first = next(iter(shown.values()))
     measures = dict.fromkeys(name for it in shown.values() for name in it.shown.measures)
     elsewhere = dict.fromkeys(name for it in shown.values() for name in it.elsewhere)
-    of = list(shown.values())
-    rows: list[tuple[str, ...]] = [
-        ("paid", *(number(it.paid) for it in of)),
-        (f"paid, discounted by {of[0].place.gamma:g}", *(number(it.discounted) for it in of)),
-        ("steps", *(f"{len(it.shown.paid):,}" for it in of)),
-        ("outcome", *(it.outcome for it in of)),
-        ("steps in success", *(f"{it.shown.success.mean():.0%}" for it in of)),
-        *((f"{name}, last", *(_last(it, name) for it in of)) for name in measures),
-        *((f"paid in {name}", *(number(it.elsewhere.get(name, np.nan)) for it in of)) for name in elsewhere),
-        *(
-            [("its policy, where chance decides", *(rating_text(it.rating) if it.rating else "" for it in of))]
-            if any(it.rating for it in of)
-            else []
-        ),
-        ("found by", *(it.found["made_by"] for it in of)),
-    ]
-    return Grid(("", *shown), rows, [])
+    rows: dict[str, Callable[[Certificate], str]] = {
+        "paid": lambda it: number(it.paid),
+        f"paid, discounted by {first.place.gamma:g}": lambda it: number(it.discounted),
+        "steps": lambda it: f"{len(it.shown.paid):,}",
+        "outcome": lambda it: it.outcome,
+        "steps in success": lambda it: f"{it.shown.success.mean():.0%}",
+        **{f"{name}, last": partial(_last, name=name) for name in measures},
+        **{f"paid in {name}": partial(_elsewhere, name=name) for name in elsewhere},
+        "its policy, where chance decides": lambda it: rating_text(it.rating) if it.rating else "",
+        "found by": lambda it: it.found["made_by"],
+    }
+    told = [(name, *map(tell, shown.values())) for name, tell in rows.items()]
+    return Grid(("", *shown), [row for row in told if any(row[1:])], [])
+
+
+def _elsewhere(it: Certificate, name: str) -> str:
+    return number(it.elsewhere.get(name, np.nan))
 
 
 def _last(it: Certificate, name: str) -> str:
@@ -159,36 +161,25 @@ def _terms(shown: Shown) -> Grid:
 
 def _figures(shown: Shown) -> Iterator[Figure]:
     """Pay over time, some measures over time, and pay under noise."""
-    sums = {title: sums_so_far(it.shown.paid) for title, it in shown.items()}
-    yield _over_time("Paid so far", sums, shown, first=0)
     names = dict.fromkeys(name for it in shown.values() for name in it.shown.measures)
     measured = {name: {title: it.shown.measures.get(name, NONE) for title, it in shown.items()} for name in names}
-    count = {name: _count(*values.values()) for name, values in measured.items()}
-    drawn = [name for name in names if count[name] > 2] or [name for name in names if count[name] == 2]
-    for name in drawn[:MEASURES]:
-        yield _over_time(name, measured[name], shown, first=1)
+    told = {name: np.concatenate([*values.values()]) for name, values in measured.items()}
+    count = {name: len(np.unique(values[np.isfinite(values)])) for name, values in told.items()}
+    drawn = [name for name in names if count[name] > 2] or [name for name in names if count[name] == 2]  # or flags
+    paid = {title: sums_so_far(it.shown.paid) for title, it in shown.items()}
+    for title, curves in (("Paid so far", paid), *((name, measured[name]) for name in drawn[:MEASURES])):
+        first, lines = int(curves is not paid), dict[str, tuple[list[float], list[float]]]()
+        for name, values in curves.items():
+            points = select_points(np.nan_to_num(values))
+            lines[name] = (points + first).tolist(), values[points].tolist()
+        yield _figure(title, f"{title} at each step", "step", visible(title), lines, shown, slice(-1, None))
     if any(it.noise for it in shown.values()):
-        yield _noise(shown)
-
-
-def _count(*values: Float) -> int:
-    """How many different values there are; two of a flag."""
-    told = np.concatenate(values)
-    return len(np.unique(told[np.isfinite(told)]))
-
-
-def _over_time(title: str, curves: Mapping[str, Float], shown: Shown, *, first: int) -> Figure:
-    """A line of each behaviour over its steps, which count from `first`, and a dot at its end."""
-    at = {name: select_points(np.nan_to_num(values)) for name, values in curves.items()}
-    lines = {name: ((points + first).tolist(), curves[name][points].tolist()) for name, points in at.items()}
-    return _figure(title, f"{title} at each step", "step", visible(title), lines, shown, slice(-1, None))
-
-
-def _noise(shown: Shown) -> Figure:
-    """What each behaviour is paid while its actions are disturbed."""
-    lines = {name: ([row.noise for row in it.noise], [row.paid for row in it.noise]) for name, it in shown.items()}
-    told = "Paid while actions are disturbed", "Pay over the noise of actions"
-    return _figure(*told, "noise of actions, as a share of half their range", "paid", lines, shown, slice(None))
+        lines = {
+            title: ([row["noise"] for row in it.noise], [row["paid"] for row in it.noise])
+            for title, it in shown.items()
+        }
+        heading, across = "Paid while actions are disturbed", "noise of actions, as a share of half their range"
+        yield _figure(heading, "Pay over the noise of actions", across, "paid", lines, shown, slice(None))
 
 
 def _figure(

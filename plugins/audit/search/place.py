@@ -6,7 +6,9 @@ from contextlib import AbstractContextManager, closing
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, StringConstraints, with_config
 
 from harness.cli.runnable import usable
 from harness.env.ideal import IdealSimulator
@@ -15,6 +17,7 @@ from harness.environment import AnyEnv, Environment
 from harness.experiment.environments.plan import columns_of, look_at
 from harness.experiment.provenance import describe_machine, versions_behind
 from harness.files.plain import Plain
+from harness.record.file_forms import EXACT, Chosen, Name
 from harness.recorder.column import source_of
 from harness.recorder.env_facts import Columns, versions_of
 from harness.registry import Choice, Registry, choose, source_hash
@@ -25,7 +28,7 @@ from harness.task import choose_task
 from ..transitions.audit_rewards import GAMMA
 from .arm_world import ArmWorld
 from .environment_world import EnvironmentWorld
-from .world import Data, World
+from .world import World
 
 GAMMA_OF_ARM = 0.95
 """The discount of a learner on a task of an arm, where nobody says it; elsewhere it is `GAMMA`."""
@@ -35,6 +38,11 @@ ENGINES = ("mujoco", "Box2D", "pybullet", "pymunk", "pygame", "brax", "jax", "to
 """Their versions are noted where an environment has imported them."""
 
 
+Text = Annotated[str, StringConstraints(max_length=10_000)]
+"""What a file may tell in words."""
+
+
+@with_config(EXACT)
 @dataclass(frozen=True)
 class Place(Plain):
     """One reward in one task or environment.
@@ -50,14 +58,14 @@ class Place(Plain):
         plugins: What ``--plugin`` has to give: path and SHA-256 of files, names of classes.
     """
 
-    task: Choice
-    reward: Choice
-    robot: str = ""
-    simulator: Choice | None = None
-    success: str = ""
-    gamma: float = GAMMA
-    horizon: int = 0
-    plugins: tuple[Data, ...] = ()
+    task: Chosen
+    reward: Chosen
+    robot: Text = ""
+    simulator: Chosen | None = None
+    success: Text = ""
+    gamma: Annotated[float, Field(gt=0.0, le=1.0)] = GAMMA
+    horizon: Annotated[int, Field(ge=1, le=10**9)] = 0
+    plugins: Annotated[tuple[dict[Name, Text | bool], ...], Field(max_length=100)] = ()
 
     @property
     def is_environment(self) -> bool:
@@ -113,7 +121,7 @@ def places_in_environment(
     return [Place(environment, it, success=success, gamma=gamma, plugins=needs_of(registry)) for it in choices]
 
 
-def needs_of(registry: Registry) -> tuple[dict[str, object], ...]:
+def needs_of(registry: Registry) -> tuple[dict[str, Any], ...]:
     """What was given by hand; of files the name, for the folder that they lie in is nobody else's concern."""
     needs = [dict(it.need) for it in registry.given]
     return tuple({**need, "path": Path(str(need["path"])).name} if "path" in need else need for need in needs)

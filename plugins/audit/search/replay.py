@@ -12,7 +12,7 @@ from harness.files.plain import to_plain
 from harness.text import number, shortened
 
 from .behaviour import ROLES
-from .certificate import Certificate, rating_text
+from .certificate import Certificate, DisturbedForm, rating_text
 from .disturb import paid_at
 from .finding import Finding
 from .held_out import act_of
@@ -152,7 +152,11 @@ def certify(
                         "how": list(searched.how),
                     },
                     finding.shown[role],
-                    tuple(row for row in finding.noise if row.role == role),
+                    [
+                        {name: getattr(row, name) for name in DisturbedForm.__annotations__}
+                        for row in finding.noise
+                        if row.role == role
+                    ],
                     {name: paid[role] for name, paid in finding.elsewhere.items() if role in paid},
                     policy=rated and dict(rated.policy),
                     rating=rated and rating_of(rated.outcomes, rated.starts),

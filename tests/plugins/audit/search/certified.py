@@ -101,7 +101,7 @@ def certificate_of(**changed):
     shown = Line().show(3, actions_to(0.9))
     answer = {"word": "PAYS FOR FAILING", "strength": "FRAGILE", "lines": ["One.", "Two."], "alarmed": 1, "starts": 2}
     found = {"made_by": "search", "seed": 0, "budget": 4000, "steps": 3990, "how": ["sequences"]}
-    noise = (Disturbed("failure", 0.0, -1.0, 0.0, 4), Disturbed("failure", 0.05, -2.0, 0.25, 4))
+    noise = [{"noise": at, "paid": -1.0, "success": 0.0, "episodes": 4} for at in (0.0, 0.05)]
     made = Certificate("failure", answer, place_of(), RUNS_ON, found, shown, noise, {"b": 1.0})
     return replace(made, **changed)
 
