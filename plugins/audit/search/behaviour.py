@@ -89,23 +89,13 @@ class Rated:
     actions: Actions
 
 
-@dataclass(frozen=True, eq=False)
-class Rates:
-    """The policies that an answer rests on where chance decides: failure and success are rates there.
+Rates: TypeAlias = Mapping[str, Rated]
+"""The policies that an answer rests on where chance decides: failure and success are rates there.
 
-    Attributes:
-        paid: The one that is paid most, by the sum of pay.
-        discounted: The one that is paid most, by the discounted sum.
-        success: The one that succeeds most often; of several, the one that is paid most. None if none ever did.
-        fastest: The one whose success comes soonest on average, of those that succeed about as often. None likewise.
-        random: Random actions.
-    """
-
-    paid: Rated
-    discounted: Rated
-    success: Rated | None
-    fastest: Rated | None
-    random: Rated
+``paid`` is the one that is paid most by the sum of pay, ``discounted`` by the discounted sum. ``success`` is the one
+that succeeds most often; of several, the one that is paid most. ``fastest`` is the one whose success comes soonest on
+average, of those that succeed about as often. Both are left out if none ever did. ``random`` acts at random.
+"""
 
 
 @dataclass(frozen=True, eq=False)

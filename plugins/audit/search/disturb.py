@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TypeAlias
 
 import gymnasium
 import numpy as np
@@ -21,11 +21,8 @@ EPISODES = 32
 """So many disturbed episodes of a behaviour tell its mean pay well enough beside a margin."""
 
 
-class Acting(NamedTuple):
-    """A policy and the starts that it acts from."""
-
-    act: Act
-    starts: Sequence[int]
+Acting: TypeAlias = tuple[Act, Sequence[int]]
+"""A policy and the starts that it acts from."""
 
 
 def disturb(world: World, asked: Sequence[tuple[Behaviour, float, Acting | None]], rng: Rng) -> Float:
@@ -48,15 +45,15 @@ def disturb(world: World, asked: Sequence[tuple[Behaviour, float, Acting | None]
             whole = np.repeat(rested(world, behaviour.actions)[np.newaxis], EPISODES, axis=0)
             bare[row] = disturbed_actions(world.space, whole, noise, rng)
             continue
-        found[row] = _sums(
-            world.act(
-                np.resize(np.array(acting.starts), EPISODES),
-                lambda seen, act=acting.act, noise=noise: disturbed_actions(world.space, act(seen), noise, rng),  # type: ignore[misc]
-            )[0]
+        act, starts = acting
+        outcomes, _ = world.act(
+            np.resize(np.array(starts), EPISODES),
+            lambda seen, act=act, noise=noise: disturbed_actions(world.space, act(seen), noise, rng),  # type: ignore[misc]
         )
+        found[row] = _sums(outcomes)
     if bare:
-        starts = np.repeat([asked[row][0].start for row in bare], EPISODES)
-        came = _sums(world.play(starts, np.concatenate([*bare.values()])))
+        begun = np.repeat([asked[row][0].start for row in bare], EPISODES)
+        came = _sums(world.play(begun, np.concatenate([*bare.values()])))
         found[[*bare]] = came.reshape(3, -1, EPISODES).swapaxes(0, 1)
     return found
 

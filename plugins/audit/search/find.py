@@ -22,9 +22,9 @@ from .behaviour import Behaviour, Rates, Role, Searched
 from .disturb import NOISES, Acting, noise_curve, paid_at, rested, strength_of
 from .finding import NAMES, Finding
 from .held_out import act_of
-from .judge import Walk, Walks, judge
+from .judge import Walks, judge
 from .place import Place, blamed_at, elsewhere_of, world_at
-from .world import Act, World, since
+from .world import Act, Shown, World
 
 if TYPE_CHECKING:
     from ..audit import Audit
@@ -237,7 +237,7 @@ def _acting(
         for role, of in behaviours.items()
     }
     return {
-        role: Acting(act, rates.paid.starts if rates else [behaviours[role].start])
+        role: (act, rates["paid"].starts if rates else [behaviours[role].start])
         for role, act in acts.items()
         if act is not None
     }
@@ -249,23 +249,21 @@ def _walks_in(world: World, searched: Searched) -> Walks:
     What was kept is played side by side, when the first one is asked for.
     """
     if searched.rates is not None:
-        starts = searched.rates.paid.starts[:WATCHED]
+        starts = searched.rates["paid"].starts[:WATCHED]
 
         @cache
-        def of_policy(behaviour: Behaviour) -> list[Walk]:
+        def of_policy(behaviour: Behaviour) -> list[Shown]:
             assert behaviour.policy is not None
             act = act_of(behaviour.policy, world)
-            shown = [world.watch(start, act) for start in starts]
-            return [Walk(it.terms, since(it.success)) for it in shown if it.success[-1]]
+            return [it for it in (world.watch(start, act) for start in starts) if it.success[-1]]
 
         return of_policy
 
     @cache
-    def kept() -> dict[Behaviour, Walk]:
+    def kept() -> dict[Behaviour, Shown]:
         threes = (*searched.plain, *searched.discounted)
         asked = [*dict.fromkeys(of for it in threes for of in (it.success, it.fastest) if of is not None)]
         actions = np.stack([rested(world, of.actions) for of in asked])
-        shown = world.played(np.array([of.start for of in asked]), actions)
-        return {of: Walk(it.terms, of.time) for of, it in zip(asked, shown, strict=True)}
+        return dict(zip(asked, world.played(np.array([of.start for of in asked]), actions), strict=True))
 
     return lambda behaviour: [kept()[behaviour]]

@@ -83,18 +83,17 @@ def search_by_chance(world: World, starts: Ints, budget: int, rng: Rng) -> Searc
     training = rng.integers(*TRAINING, _episodes(choose, len(policies), world))
     tried = [_rated(world, policy, training) for policy in policies]
     roles, held_out = _roles(tried), rng.integers(*HELD_OUT, _episodes(rate, 5, world))
-    again = {id(it): _rated(world, it.policy, held_out) for it in roles.values() if it is not None}
-    found: dict[str, Any] = {role: it and again[id(it)] for role, it in roles.items()}
-    rates = Rates(**found)
+    again = {id(it): _rated(world, it.policy, held_out) for it in roles.values()}
+    rates = {role: again[id(it)] for role, it in roles.items()}
     return Searched(
         plain=[three_of(rates, discounted=False)],
         discounted=[three_of(rates, discounted=True)],
-        typical=[float(np.median(rates.random.outcomes.paid))],
-        typical_discounted=[float(np.median(rates.random.outcomes.discounted))],
-        successes=[0 if rates.success is None else int(rates.success.outcomes.success.sum())],
+        typical=[float(np.median(rates["random"].outcomes.paid))],
+        typical_discounted=[float(np.median(rates["random"].outcomes.discounted))],
+        successes=[int(rates["success"].outcomes.success.sum()) if "success" in rates else 0],
         climbing=[0.0],
         steps=world.taken - begun,
-        how=("sampled table" if rates.paid.policy["kind"] == TABLE else "linear policies",),
+        how=("sampled table" if rates["paid"].policy["kind"] == TABLE else "linear policies",),
         rates=rates,
     )
 
@@ -108,7 +107,7 @@ def _rated(world: World, policy: Data, starts: Ints) -> Rated:
     return Rated(policy, starts.tolist(), outcomes, actions[0])
 
 
-def _roles(tried: Sequence[Rated]) -> dict[str, Rated | None]:
+def _roles(tried: Sequence[Rated]) -> Rates:
     """The roles of `Rates`, chosen among policies; the last one acts at random."""
     rate = max(it.outcomes.success.mean() for it in tried)
     good = [it for it in tried if it.outcomes.success.mean() >= max(rate - CLEARLY, rate / 2)] if rate else []
@@ -118,13 +117,9 @@ def _roles(tried: Sequence[Rated]) -> dict[str, Rated | None]:
     def best(of: Sequence[Rated], pays: str = "paid") -> Rated | None:
         return max(of, key=lambda it: float(getattr(it.outcomes, pays).mean()), default=None)
 
-    return {
-        "paid": best(tried),
-        "discounted": best(tried, "discounted"),
-        "success": best(good),
-        "fastest": best(fast),
-        "random": tried[-1],
-    }
+    most = best(tried), best(tried, "discounted"), best(good), best(fast), tried[-1]
+    roles = zip(("paid", "discounted", "success", "fastest", "random"), most, strict=True)
+    return {role: it for role, it in roles if it is not None}
 
 
 def three_of(rates: Rates, *, discounted: bool) -> Three:
@@ -134,14 +129,15 @@ def three_of(rates: Rates, *, discounted: bool) -> Three:
     paired 95 % interval, and the best-paid success if it does not. One that is not clearly paid more than that one is
     left out.
     """
-    most = rates.discounted if discounted else rates.paid
-    if rates.success is None or rates.fastest is None:
+    most = rates["discounted" if discounted else "paid"]
+    if "success" not in rates:
         return Three(most.starts[0], _mean_behaviour(most, success=False), None, None)
-    success, fastest = (_mean_behaviour(it, success=True) for it in (rates.success, rates.fastest))
-    pays = [it.outcomes.discounted if discounted else it.outcomes.paid for it in (most, rates.success)]
+    surest = rates["success"]
+    success, fastest = (_mean_behaviour(it, success=True) for it in (surest, rates["fastest"]))
+    pays = [it.outcomes.discounted if discounted else it.outcomes.paid for it in (most, surest)]
     if not mean_interval(pays[0] - pays[1])[1] > 0.0:
         return Three(success.start, None, success, fastest)
-    rarer = rates.success.outcomes.success.astype(float) - most.outcomes.success
+    rarer = surest.outcomes.success.astype(float) - most.outcomes.success
     if rarer.mean() > CLEARLY and mean_interval(rarer)[1] > 0.0:
         return Three(success.start, _mean_behaviour(most, success=False), success, fastest)
     return Three(success.start, None, _mean_behaviour(most, success=True), fastest)

@@ -8,17 +8,17 @@ doing the task only where it is not far slower than Q, and paid for it.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
-from harness import Float
+from harness.errors import sentence
 from harness.text import number
 
-from .behaviour import ROLES, Behaviour, Rates, Role, Searched, Three
+from .behaviour import ROLES, Behaviour, Role, Searched, Three
 from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES, NOTHING
 from .held_out import share_interval
-from .world import World
+from .world import Shown, World, since
 
 MARGIN = 0.05
 """An alarm needs so much more pay, as a share of what the best behaviour earns above random actions."""
@@ -45,17 +45,8 @@ TABLE = "table"
 """Searched so, a world was counted out: nothing pays more."""
 
 
-class Walk(NamedTuple):
-    """One episode of a behaviour that succeeded."""
-
-    paid: Mapping[str, Float]
-    """What each of its steps paid, by term, (steps,)."""
-    time: int
-    """The step from which on it was a success, from 1."""
-
-
-Walks: TypeAlias = Callable[[Behaviour], Sequence[Walk]]
-"""The episodes of a behaviour: one where nothing is left to chance, else some of those that succeeded."""
+Walks: TypeAlias = Callable[[Behaviour], Sequence[Shown]]
+"""The episodes of a behaviour that succeeded: one where nothing is left to chance, else some of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,21 +108,13 @@ def judge(searched: Searched, facts: World, walks: Walks) -> Judged:
         walks: Asked of few behaviours, where one may loiter.
     """
     is_exact = TABLE in searched.how
-    plain, discounted = (
-        [_case_of(*of, discount, facts, walks, is_exact=is_exact) for of in zip(threes, typical, strict=True)]
-        for threes, typical, discount in (
-            (searched.plain, searched.typical, 1.0),
-            (searched.discounted, searched.typical_discounted, facts.gamma),
-        )
-    )
+    case_of = partial(_case_of, facts=facts, walks=walks, is_exact=is_exact)
+    plain = list(map(partial(case_of, discount=1.0), searched.plain, searched.typical))
+    discounted = list(map(partial(case_of, discount=facts.gamma), searched.discounted, searched.typical_discounted))
     if not is_exact:
         climbing = [of / case.margin for of, case in zip(searched.climbing, plain, strict=True)]
-        plain, discounted = (
-            [_trusted(*of) for of in zip(cases, searched.successes, climbing, strict=True)]
-            for cases in (plain, discounted)
-        )
-    both = list(zip(plain, discounted, strict=True))
-    decided = [_decided(*of) for of in both]
+        plain, discounted = (list(map(_trusted, of, searched.successes, climbing)) for of in (plain, discounted))
+    decided = list(map(_decided, plain, discounted))
     alarmed = tuple(case for case in decided if case.is_alarm)
     words = [case.word for case in decided]
     failing, loitering, unsure = map(words.count, (FAILING, LOITERING, CANNOT_TELL))
@@ -143,8 +126,8 @@ def judge(searched: Searched, facts: World, walks: Walks) -> Judged:
     shown = max(told, key=lambda case: (case.three.failure is not None or case.is_alarm, case.lead))
     if not facts.success:
         return Judged(CANNOT_TELL, _on_paid_most(shown), (), shown)
-    lines = _lines(word, shown, both, decided, searched, facts)
-    return Judged(word, tuple(line[0].upper() + line[1:] for line in lines), alarmed, shown)
+    lines = _lines(word, shown, list(zip(plain, discounted, decided, strict=True)), searched, facts)
+    return Judged(word, tuple(map(sentence, lines)), alarmed, shown)
 
 
 def paid_by(behaviour: Behaviour, discount: float) -> float:
@@ -152,7 +135,7 @@ def paid_by(behaviour: Behaviour, discount: float) -> float:
     return behaviour.paid if discount == 1.0 else behaviour.discounted
 
 
-def _case_of(three: Three, typical: float, discount: float, facts: World, walks: Walks, *, is_exact: bool) -> Case:
+def _case_of(three: Three, typical: float, *, discount: float, facts: World, walks: Walks, is_exact: bool) -> Case:
     """One start by one sum.
 
     Args:
@@ -197,32 +180,32 @@ def _case_of(three: Three, typical: float, discount: float, facts: World, walks:
     return said(LOITERING if loiters else NOTHING, "success", "fastest", (success - fastest) / margin)
 
 
-def _gained(slow: Sequence[Walk], fast: Sequence[Walk], discount: float) -> float:
+def _gained(slow: Sequence[Shown], fast: Sequence[Shown], discount: float) -> float:
     """What a slow success earned by being slow; costs that it saved are none, for slow because effort costs is honest.
 
     Where success ends an episode, it is what each term paid above 0 before that, less the same of the fast one. Where
     both go on, a number more in every step changes nothing, so it is what the slow one earned above the fast one while
     that was a success already.
     """
-    slow, fast = (
+    if not (slow and fast):
+        return 0.0
+    slow_paid, fast_paid = (
         [
-            Walk({name: of * discount ** np.arange(len(of)) for name, of in walk.paid.items()}, walk.time)
-            for walk in walks
+            ({name: of * discount ** np.arange(len(of)) for name, of in it.terms.items()}, since(it.success))
+            for it in walks
         ]
         for walks in (slow, fast)
     )
-    if not (slow and fast):
-        return 0.0
-    totals = [[np.sum([*walk.paid.values()], axis=0) for walk in walks] for walks in (slow, fast)]
+    totals = [[np.sum([*terms.values()], axis=0) for terms, _ in of] for of in (slow_paid, fast_paid)]
     if len({np.shape(values) for of in totals for values in of}) == 1:
-        since, until = (int(np.mean([walk.time for walk in walks])) for walks in (fast, slow))
-        later, early = (np.mean([values[since : until - 1].sum() for values in of]) for of in totals)
+        until, begun = (int(np.mean([time for _, time in of])) for of in (slow_paid, fast_paid))
+        later, early = (np.mean([values[begun : until - 1].sum() for values in of]) for of in totals)
         return float(later - early)
     gained = 0.0
-    for name in slow[0].paid:
-        before = np.mean([walk.paid[name][: walk.time - 1].sum() for walk in slow])
-        arriving = np.mean([walk.paid[name][walk.time - 1] for walk in slow])  # success pays the fast one this too
-        early = np.mean([walk.paid[name][: walk.time].sum() for walk in fast]) - arriving
+    for name in slow_paid[0][0]:
+        before = np.mean([terms[name][: time - 1].sum() for terms, time in slow_paid])
+        arriving = np.mean([terms[name][time - 1] for terms, time in slow_paid])  # success pays the fast one this too
+        early = np.mean([terms[name][:time].sum() for terms, time in fast_paid]) - arriving
         gained += float(max(before, 0.0) - max(early, 0.0))
     return gained
 
@@ -274,33 +257,51 @@ def _takes_back(plain: Case, discounted: Case) -> bool:
 
 
 def _lines(
-    word: str,
-    shown: Case,
-    both: Sequence[tuple[Case, Case]],
-    decided: Sequence[Case],
-    searched: Searched,
-    facts: World,
+    word: str, shown: Case, starts: Sequence[tuple[Case, Case, Case]], searched: Searched, facts: World
 ) -> list[str]:
-    """The answer in sentences."""
-    count, alarms = len(decided), sum(case.is_alarm for case in decided)
-    lines = [_three_numbers(shown)]
-    if searched.rates:
-        lines.append(_on_chance(searched.rates))
+    """The answer in sentences; `starts` are the cases by the plain sum and the discounted one, and what decided."""
+    decided = [case for *_, case in starts]
+    count, alarmed = len(starts), [both for *both, case in starts if case.is_alarm]
+    on = f"on {len(alarmed)} of {count} starts"
+    lines, is_counted = [_three_numbers(shown)], TABLE in searched.how
+    if rates := searched.rates:
+        rated = {"what is paid most": rates["paid"], "what succeeds most": rates.get("success")}
+        succeeds = [(name, *share_interval(of.outcomes.success)) for name, of in rated.items() if of]
+        told = (f"{name} succeeds in {share:.0%} [{low:.0%}, {high:.0%}]" for name, share, low, high in succeeds)
+        lines.append(
+            f"Chance decides here: these are means of policies over {len(rates['paid'].starts)} starts of their own; "
+            f"{', '.join(told)} of them."
+        )
     if word in (FAILING, LOITERING):
-        where = "on average" if searched.rates else f"on {alarms} of {count} starts"
-        lines.append(f"It holds {where}{_by_which_sum(both, decided, facts.gamma)}.")
+        other, gamma = "", f"discounted by {facts.gamma:g}"
+        if facts.gamma < 1.0:  # whether the other sum says so too
+            other = f"; {gamma} alone, without discount it does not"
+            if any(plain.is_alarm for plain, _ in alarmed):
+                other = f"; {gamma} the sums are about equal"
+            if 2 * sum(plain.is_alarm and later.is_alarm for plain, later in alarmed) >= len(alarmed):
+                other = f", {gamma} too"
+        lines.append(f"It holds {'on average' if rates else on}{other}.")
     elif word == CANNOT_TELL:
-        lines += _on_unsure(decided, shown, facts.success, is_counted=TABLE in searched.how)
+        lines += _on_unsure(decided, shown, facts.success, is_counted=is_counted)
     else:
         lines.append(
             "All states and actions were counted: nothing pays more."
-            if TABLE in searched.how
+            if is_counted
             else f"That proves nothing: {searched.steps:,} steps were searched."
         )
-        lines += _on_slight(shown)
-        if alarms:
-            lines.append(f"On {alarms} of {count} starts it pays for failing or loitering all the same.")
-    back = [plain for (plain, _), case in zip(both, decided, strict=True) if plain.is_alarm and case.word == NOTHING]
+        failure, success = (
+            paid_by(of, shown.discount) if of else np.nan for of in (shown.three.failure, shown.three.success)
+        )
+        if (more := failure - success) > SLACK * abs(success):
+            why = (
+                f"less than {number(shown.margin)}, {MARGIN:.0%} of what the best behaviour earns above random actions"
+                if more <= shown.margin
+                else "it behaves nearly as the success does"
+            )
+            lines.append(f"The failure's {number(more)} more are no alarm: {why}.")
+        if alarmed:
+            lines.append(f"{on} it pays for failing or loitering all the same.")
+    back = [plain for plain, _, case in starts if plain.is_alarm and case.word == NOTHING]
     for first in back[:1]:
         one, other = (number(getattr(first.three, role).paid) for role in (first.tempting, first.against))
         lines.append(
@@ -308,38 +309,6 @@ def _lines(
             f"{len(back)} of {count} starts; a learner that discounts by {facts.gamma:g} is not tempted."
         )
     return lines
-
-
-def _on_slight(shown: Case) -> list[str]:
-    """Why a failure that is paid more than a success is no alarm; empty if none is."""
-    failure, success = shown.three.failure, shown.three.success
-    if failure is None or success is None:
-        return []
-    least = paid_by(success, shown.discount)
-    more = paid_by(failure, shown.discount) - least
-    if more <= SLACK * abs(least):
-        return []
-    why = (
-        f"less than {number(shown.margin)}, {MARGIN:.0%} of what the best behaviour earns above random actions"
-        if more <= shown.margin
-        else "it behaves nearly as the success does"
-    )
-    return [f"The failure's {number(more)} more are no alarm: {why}."]
-
-
-def _on_chance(rates: Rates) -> str:
-    """How often policies succeed where chance decides."""
-    policies = {"what is paid most": rates.paid, "what succeeds most": rates.success}
-    told = [
-        f"{name} succeeds in {share:.0%} [{low:.0%}, {high:.0%}]"
-        for name, of in policies.items()
-        if of is not None
-        for share, low, high in (share_interval(of.outcomes.success),)
-    ]
-    return (
-        f"Chance decides here: these are means of policies over {len(rates.paid.starts)} starts of their own; "
-        f"{', '.join(told)} of them."
-    )
 
 
 EARNS: Mapping[Role, str] = {
@@ -362,19 +331,6 @@ def _three_numbers(case: Case) -> str:
             told.append(f"{name} {number(paid_by(of, case.discount))}{steps}")
     told += [] if case.three.success else ["no success was found"]
     return f"{rate}{', '.join(told)}."
-
-
-def _by_which_sum(both: Sequence[tuple[Case, Case]], decided: Sequence[Case], gamma: float) -> str:
-    """Whether the other sum says so too."""
-    if gamma == 1.0:
-        return ""
-    alarmed = [of for of, case in zip(both, decided, strict=True) if case.is_alarm]
-    too = sum(plain.is_alarm and discounted.is_alarm for plain, discounted in alarmed)
-    if 2 * too >= len(alarmed):
-        return f", discounted by {gamma:g} too"
-    if any(plain.is_alarm for plain, _ in alarmed):
-        return f"; discounted by {gamma:g} the sums are about equal"
-    return f"; discounted by {gamma:g} alone, without discount it does not"
 
 
 def _on_unsure(decided: Sequence[Case], shown: Case, success: str, is_counted: bool) -> list[str]:

@@ -130,8 +130,7 @@ def certify(
         place = replace(place, horizon=world.horizon)
         for role in (it for it in ROLES if it in finding.shown):
             searched, behaviour = finding.searched, finding.three[role]
-            known = vars(searched.rates).values() if searched.rates else ()
-            rated = next((it for it in known if it is not None and it.policy is behaviour.policy), None)
+            rated = [it for it in (searched.rates or {}).values() if it.policy is behaviour.policy]
             found = replay(
                 Certificate(
                     role,
@@ -158,8 +157,8 @@ def certify(
                         if row.role == role
                     ],
                     {name: paid[role] for name, paid in finding.elsewhere.items() if role in paid},
-                    policy=rated and dict(rated.policy),
-                    rating=rated and rating_of(rated.outcomes, rated.starts),
+                    policy=behaviour.policy if rated else None,
+                    rating=rating_of(rated[0].outcomes, rated[0].starts) if rated else None,
                 ),
                 world,
             )

@@ -8,7 +8,7 @@ from gymnasium.spaces import Box, Discrete
 from numpy.random import default_rng
 
 from harness_plugins.audit.search.behaviour import Behaviour, Three
-from harness_plugins.audit.search.disturb import Acting, disturb, noise_curve, strength_of
+from harness_plugins.audit.search.disturb import disturb, noise_curve, strength_of
 from harness_plugins.audit.search.judge import Case
 from tests.plugins.audit.search.toy_worlds import EnvWorld, Graph, told
 
@@ -106,7 +106,7 @@ def test_a_policy_acts_again():
     """From the starts that it is given; what it observes decides, whatever was done before."""
     world, case = case_of(EDGE)
     asked = []
-    acting = Acting(lambda seen: asked.append(seen) or 1, [3, 4])
+    acting = (lambda seen: asked.append(seen) or 1, [3, 4])
     ((_, _, success),) = disturb(world, [(case.three.failure, 0.0, acting)], rng())
     assert success.all()
     assert len(asked) == 32
@@ -115,6 +115,6 @@ def test_a_policy_acts_again():
 def test_behaviours_are_disturbed_as_each_alone_would_be():
     """Sequences side by side, policies by themselves: the noise is drawn in the order in which they are asked."""
     world, case = case_of(EDGE)
-    acting, one = Acting(lambda seen: 0, [3, 4]), case.three.failure
+    acting, one = (lambda seen: 0, [3, 4]), case.three.failure
     asked, drawn = [(one, 0.05, None), (one, 0.05, acting), (one, 0.01, None)], rng()
     assert (disturb(world, asked, rng()) == np.concatenate([disturb(world, [it], drawn) for it in asked])).all()

@@ -73,34 +73,34 @@ def solved_by_its_own_dynamics(env, horizon):
 def test_the_slippery_lake_is_crossed_as_often_as_can_be(lake):
     """The rate on held-out starts is, within its interval, what value iteration over `P` says."""
     world, rates = lake
-    _, low, high = share_interval(rates.success.outcomes.success)
+    _, low, high = share_interval(rates["success"].outcomes.success)
     assert low <= solved_by_its_own_dynamics(world.env, 100) <= high + 0.02
-    assert rates.success.policy["kind"] == "table"
-    assert rates.random.outcomes.success.mean() < 0.1
+    assert rates["success"].policy["kind"] == "table"
+    assert rates["random"].outcomes.success.mean() < 0.1
 
 
 def test_rates_are_of_held_out_starts(lake):
     """All policies are rated on the same ones, and no search draws these."""
     _, rates = lake
-    assert rates.paid.starts == rates.success.starts == rates.random.starts
-    assert all(1_000_000 <= start < 2_000_000 for start in rates.paid.starts)
-    assert len(rates.paid.outcomes.paid) == len(rates.paid.starts) >= 24
+    assert rates["paid"].starts == rates["success"].starts == rates["random"].starts
+    assert all(1_000_000 <= start < 2_000_000 for start in rates["paid"].starts)
+    assert len(rates["paid"].outcomes.paid) == len(rates["paid"].starts) >= 24
 
 
 def test_a_rated_policy_is_plain_data(lake):
     """After a way through a file it does the same again."""
     world, rates = lake
-    policy = json.loads(json.dumps(rates.success.policy))
-    again, actions = world.act(np.array(rates.success.starts), act_of(policy, world))
-    assert np.array_equal(again.paid, rates.success.outcomes.paid)
-    assert np.array_equal(actions[0], rates.success.actions)
+    policy = json.loads(json.dumps(rates["success"].policy))
+    again, actions = world.act(np.array(rates["success"].starts), act_of(policy, world))
+    assert np.array_equal(again.paid, rates["success"].outcomes.paid)
+    assert np.array_equal(actions[0], rates["success"].actions)
 
 
 def test_the_same_seed_rates_the_same():
     """Bit for bit."""
     one, other = (searched(icy(hacked())).rates for _ in range(2))
-    assert np.array_equal(one.paid.outcomes.paid, other.paid.outcomes.paid)
-    assert one.paid.policy == other.paid.policy
+    assert np.array_equal(one["paid"].outcomes.paid, other["paid"].outcomes.paid)
+    assert one["paid"].policy == other["paid"].policy
 
 
 def test_an_honest_world_has_no_failure_that_pays():
@@ -147,8 +147,8 @@ def test_what_does_not_repeat_itself_gets_linear_policies():
     world = EnvWorld(anew, lambda after, paid, terminated, info: not terminated, horizon=100)
     world.is_repeated = False
     rates = searched(world, 60_000).rates
-    assert rates.success.policy["kind"] == "linear policy"
-    assert rates.success.outcomes.success.mean() > 0.9
+    assert rates["success"].policy["kind"] == "linear policy"
+    assert rates["success"].outcomes.success.mean() > 0.9
 
 
 @pytest.mark.parametrize("name", ["CartPole-v1", "Taxi-v4"])

@@ -9,7 +9,8 @@ from hypothesis import given, strategies as st
 
 from harness.experiment.screening import CANNOT_TELL, FAILING, LOITERING, NOTHING
 from harness_plugins.audit.search.behaviour import Behaviour, Searched, Three
-from harness_plugins.audit.search.judge import Walk, judge
+from harness_plugins.audit.search.judge import judge
+from harness_plugins.audit.search.world import Shown
 
 
 def facts(gamma=1.0, horizon=100, success="success", directions=()):
@@ -29,6 +30,11 @@ def episode(pay, success_from=None, gamma=1.0, **more):
     return replace(of, **more)
 
 
+def walk(of, terms):
+    """The episode of a success, paid by terms."""
+    return Shown(0, of.actions, of.actions, terms, np.arange(1, of.steps + 1) >= of.time, {}, "cut")
+
+
 def three(failure, success=None, fastest=None):
     """Of start 0; the best-paid success is the fastest one if there is no other."""
     return Three(0, failure, success, fastest or success)
@@ -44,7 +50,7 @@ def judged(*threes, facts=FACTS, typical=0.0, successes=50, climbing=0.0, how="s
         threes, discounted or threes, [typical] * count, [typical] * count, [successes] * count, [climbing] * count,
         1000, (how,),
     )  # fmt: skip
-    return judge(searched, facts, lambda of: [Walk({"all": of.actions}, of.time)])
+    return judge(searched, facts, lambda of: [walk(of, {"all": of.actions})])
 
 
 HOVER = episode([0.3] * 100)
@@ -130,7 +136,7 @@ def test_slow_with_progress_and_effort_as_terms_is_honest():
         10: {"progress": np.full(10, 10.0), "effort": np.full(10, -5.0)},
     }
     searched = Searched(*[[three(NOTHING_DONE, slow, quick)]] * 2, [0.0], [0.0], [50], [0.0], 1000, ("sequences",))
-    assert judge(searched, facts(), lambda of: [Walk(terms[of.steps], of.time)]).word == NOTHING
+    assert judge(searched, facts(), lambda of: [walk(of, terms[of.steps])]).word == NOTHING
 
 
 def test_later_is_what_a_learner_that_discounts_counts_as_later():

@@ -8,7 +8,7 @@ from gymnasium.spaces import Discrete
 from numpy.random import default_rng
 
 from harness_plugins.audit import read_certificate, write_certificate
-from harness_plugins.audit.search.behaviour import Rated, Rates
+from harness_plugins.audit.search.behaviour import Rated
 from harness_plugins.audit.search.held_out import mean_interval
 from harness_plugins.audit.search.replay import certify, rating_of, replay
 from harness_plugins.audit.search.world import Outcomes
@@ -90,7 +90,7 @@ def test_a_policy_is_certified_by_its_figures():
         finding,
         three=three,
         shown={"failure": finding.shown["failure"]},
-        searched=replace(finding.searched, rates=Rates(rated, rated, None, None, rated)),
+        searched=replace(finding.searched, rates=dict.fromkeys(("paid", "discounted", "random"), rated)),
     )
     (made,), refused = certify(chance, place_of(), Coin, RUNS_ON, seed=0, budget=9)
     assert refused == []
