@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from harness import Float, Ints
 from harness.experiment.environments.spaces import rows_of
 
-from .moves import bounds_of
+from .moves import Choices, moves_in
 from .table import Keep
 from .world import Data, Outcomes, Rng, World
 
@@ -50,10 +50,7 @@ class Linear:
         self.weights = np.asarray(policy["weights"])
         self.mean, self.inverse = np.asarray(policy["mean"]), 1.0 / np.asarray(policy["scale"])
         self.squares = np.triu_indices(len(self.mean)) if self.weights.shape[1] > 1 + len(self.mean) else None
-        self.rows, self.space = rows_of(world.observes), world.space
-        if isinstance(self.space, Box):
-            low, high = bounds_of(self.space)
-            self.middle, self.half = (low + high) / 2.0, (high - low) / 2.0
+        self.rows, self.space, self.moves = rows_of(world.observes), world.space, moves_in(world.space)
         self.seen: list[Float] = []
 
     def __call__(self, observed: Any) -> Any:
@@ -64,11 +61,10 @@ class Linear:
         told = self.weights[:, 0] + self.weights[:, 1 : 1 + len(scaled)] @ scaled
         if self.squares is not None:
             told += self.weights[:, 1 + len(scaled) :] @ (scaled[self.squares[0]] * scaled[self.squares[1]])
-        if isinstance(self.space, Discrete):
-            choice = int(told.argmax()) if len(told) > 1 else int(told[0] > 0.0)
-            return int(self.space.start) + choice
-        action = self.middle + self.half * np.minimum(np.maximum(told, -1.0), 1.0)
-        return action.reshape(self.space.shape).astype(self.space.dtype)
+        chosen = self.moves.chosen(told)
+        if isinstance(self.moves, Choices):
+            return int(self.moves.played(chosen))
+        return (self.moves.middle + self.moves.half * chosen).reshape(self.space.shape).astype(self.space.dtype)
 
 
 class Scales:

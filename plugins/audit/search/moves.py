@@ -40,6 +40,10 @@ class Reals:
         """The search's actions as the world takes them, (..., size)."""
         return np.asarray(self.middle + self.half * actions, np.float32)
 
+    def chosen(self, wanted: Float) -> Actions:
+        """The action that numbers ask for, (size,)."""
+        return np.clip(wanted, -1.0, 1.0)
+
     def white(self, rng: Rng, count: int, steps: int) -> Actions:
         """Actions drawn one by one, (count, steps, size)."""
         return rng.uniform(-1.0, 1.0, (count, steps, self.half.size)).astype(np.float32)
@@ -90,6 +94,10 @@ class Choices:
     def played(self, actions: Actions) -> Actions:
         """The search's actions as the world takes them."""
         return actions + self.first
+
+    def chosen(self, wanted: Float) -> Actions:
+        """The choice that is liked most, one number for each; of two, one number may tell which."""
+        return np.asarray(wanted.argmax() if len(wanted) == self.count else wanted[0] > 0.0, np.int64)
 
     def white(self, rng: Rng, count: int, steps: int) -> Actions:
         """Actions drawn one by one, (count, steps)."""
@@ -168,9 +176,7 @@ class Feedback:
             seen = flat(observed)
             if taken == self.step:
                 held = seen
-            wanted = self.bias + self.gains @ (seen - held)
-            chosen = np.clip(wanted, -1.0, 1.0) if isinstance(moves, Reals) else np.asarray(wanted.argmax())
-            return moves.played(chosen)
+            return moves.played(moves.chosen(self.bias + self.gains @ (seen - held)))
 
         return act
 

@@ -1,7 +1,8 @@
 """Tables of worlds where chance decides: counted over many episodes, and solved for policies by value iteration."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections import Counter, defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -29,19 +30,10 @@ HASTES = (0.9, 0.97)
 EXPLORED, ROUNDS, EACH = 0.6, 4, 25
 """The share of the steps that may go to what was tried too seldom; in the rest policies are solved anew so often, and
 played in so many episodes each at most."""
+Pair: TypeAlias = tuple[int, int]
+"""A state and an action."""
 Draw: TypeAlias = Callable[[], int]
 """Draws the seed of a reset."""
-
-
-@dataclass(eq=False)
-class _Pair:
-    """What came of an action in a state."""
-
-    tried: int = 0
-    paid: float = 0.0
-    success: int = 0
-    ended_well: int = 0
-    after: dict[int, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +50,7 @@ class Sampled:
     """
 
     keys: Sequence[str]
-    tried: Ints
+    tried: Float
     paid: Float
     ended_well: Float
     success: Float
@@ -93,7 +85,10 @@ class Counts:
     def __init__(self, world: World, space: Discrete, rng: Rng) -> None:
         self.world, self.space, self.rng = world, space, rng
         self.states: dict[str, int] = {}
-        self.pairs: dict[tuple[int, int], _Pair] = {}
+        # by state and action, how often it was tried, what it paid, and how often it ended well, or was a success else
+        self.tried, self.ended_well, self.success = Counter[Pair](), Counter[Pair](), Counter[Pair]()
+        self.paid: dict[Pair, float] = defaultdict(float)
+        self.moves = Counter[tuple[int, int, int]]()  # to which state it led
         self.news, self._longest = 0, 0
         self._returns = list[float]()
 
@@ -103,22 +98,21 @@ class Counts:
         self._longest = max(self._longest, len(shown.actions))
         states = [self.states.setdefault(key_of(it), len(self.states)) for it in shown.observed]
         for step, action in enumerate((shown.actions - self.space.start).tolist()):
-            pair, is_success = self.pairs.setdefault((states[step], action), _Pair()), bool(shown.success[step])
+            at = states[step], action
+            self.tried[at] += 1
+            self.news += self.tried[at] <= KNOWN
+            self.paid[at] += float(shown.paid[step])
             end = ends(shown, step, self._longest)
-            pair.tried += 1
-            self.news += pair.tried <= KNOWN
-            pair.paid += float(shown.paid[step])
-            pair.ended_well += end and is_success
-            pair.success += is_success and not end
+            (self.ended_well if end else self.success)[at] += bool(shown.success[step])
             if not end:
-                pair.after[states[step + 1]] = pair.after.get(states[step + 1], 0) + 1
+                self.moves[*at, states[step + 1]] += 1
         self._returns.append(episode_sum(shown.paid))
         return shown
 
     @property
     def is_table(self) -> bool:
         """Whether states are few, and met again."""
-        often = len(self.pairs) <= ENOUGH or len(self.states) <= MOST_NEW * len(self.pairs)
+        often = len(self.tried) <= ENOUGH or len(self.states) <= MOST_NEW * len(self.tried)
         return len(self.states) <= MOST_STATES and often
 
     def means(self) -> Sampled:
@@ -126,16 +120,20 @@ class Counts:
         from scipy.sparse import csr_array
 
         shape = len(self.states), int(self.space.n)
-        tried, paid, ended_well, success = np.zeros(shape, np.int64), *(np.zeros(shape) for _ in range(3))
-        rows, columns, shares = list[int](), list[int](), list[float]()
-        for (state, action), pair in self.pairs.items():
-            at = state, action
-            tried[at], paid[at] = pair.tried, pair.paid / pair.tried
-            ended_well[at], success[at] = pair.ended_well / pair.tried, pair.success / pair.tried
-            rows += [state * shape[1] + action] * len(pair.after)
-            columns += pair.after
-            shares += [count / pair.tried for count in pair.after.values()]
-        moves = csr_array((shares, (rows, columns)), shape=(shape[0] * shape[1], shape[0]))
+
+        def filled(counts: Mapping[Pair, float]) -> Float:
+            found = np.zeros(shape)
+            for at, count in counts.items():
+                found[at] = count
+            return found
+
+        tried = filled(self.tried)
+        paid, ended_well, success = (
+            filled(it) / np.maximum(tried, 1.0) for it in (self.paid, self.ended_well, self.success)
+        )
+        rows = [state * shape[1] + action for state, action, _ in self.moves]
+        shares = [count / tried[state, action] for (state, action, _), count in self.moves.items()]
+        moves = csr_array((shares, (rows, [after for *_, after in self.moves])), shape=(shape[0] * shape[1], shape[0]))
         return Sampled(list(self.states), tried, paid, ended_well, success, moves)
 
     def acting(self, choices: Ints) -> Act:
@@ -166,20 +164,17 @@ class Counts:
 
     def _seeking(self, plan: Ints) -> Act:
         """A policy that tries what was tried too seldom wherever it is, and follows a plan to such places."""
-        count, now = int(self.space.n), dict[tuple[int, int], int]()
+        count, now = int(self.space.n), Counter[Pair]()
 
         def act(observed: Any) -> int:
             state = self.states.get(key_of(observed), -1)
-            tried = [
-                now.get((state, action), 0) + (pair.tried if (pair := self.pairs.get((state, action))) else 0)
-                for action in range(count)
-            ]
+            tried = [now[state, action] + self.tried[state, action] for action in range(count)]
             action = int(np.argmin(tried))
             if tried[action] >= KNOWN:
                 planned = int(plan[state]) if 0 <= state < len(plan) else -1
-                is_old = planned < 0 or now.get((state, planned), 0) >= KNOWN
+                is_old = planned < 0 or now[state, planned] >= KNOWN
                 action = int(self.rng.integers(count)) if is_old else planned
-            now[state, action] = now.get((state, action), 0) + 1
+            now[state, action] += 1
             return int(self.space.start) + action
 
         return act

@@ -59,9 +59,8 @@ class Table:
         keys: Of each state, the key of what is observed; none if a state is also when.
         begins: By start, the state that it begins in.
         next: The state after each action, (states, actions); -1 where the episode ends, or nobody tried.
-        paid: What each pays, (states, actions).
+        paid: What each pays, (states, actions); minus infinity where nobody tried, further away than the horizon.
         success: Whether a step is a success, (states, actions).
-        tried: Whether it is known, (states, actions). What is not lies further away than the horizon.
     """
 
     keys: Sequence[str]
@@ -69,7 +68,6 @@ class Table:
     next: Ints
     paid: Float
     success: Mask
-    tried: Mask
 
 
 @dataclass(eq=False)
@@ -82,7 +80,7 @@ class Learner:
         rng: Draws actions where nothing is left to be tried.
         states: By what is observed, the number of a state.
         leads: Of each state, by action, the next state; -1 where the episode ends. Filled while an episode goes on.
-        known: Of each state, by action, what it paid and whether it was a success. Filled after an episode.
+        known: By state and action, what it paid and whether it was a success. Filled after an episode.
         begins: By start, the state that it begins in.
         is_timed: Whether a state is what is observed and when, rather than what is observed.
     """
@@ -93,7 +91,7 @@ class Learner:
     is_timed: bool = False
     states: dict[str, int] = field(default_factory=dict)
     leads: list[dict[int, int]] = field(default_factory=list)
-    known: list[dict[int, tuple[float, bool]]] = field(default_factory=list)
+    known: dict[tuple[int, int], tuple[float, bool]] = field(default_factory=dict)
     begins: dict[int, int] = field(default_factory=dict)
 
     def state_of(self, observed: Any, step: int) -> int:
@@ -102,7 +100,6 @@ class Learner:
         state = self.states.setdefault(key, len(self.leads))
         if state == len(self.leads):
             self.leads.append({})
-            self.known.append({})
         return state
 
     def plan(self, state: int, steps: int) -> list[int]:
@@ -155,25 +152,24 @@ class Learner:
         for step, action in enumerate((shown.actions - self.space.start).tolist()):
             state, paid, success = states[step], float(shown.paid[step]), bool(shown.success[step])
             after = -1 if ends(shown, step, self.horizon) else states[step + 1]
-            before = self.known[state].setdefault(action, (paid, success))
+            before = self.known.setdefault((state, action), (paid, success))
             agrees &= self.leads[state].setdefault(action, after) == after
             agrees &= success == before[1] and math.isclose(paid, before[0], rel_tol=CLOSE, abs_tol=CLOSE)
         if not agrees:
             raise ContradictionError
-        tried = sum(map(len, self.known))
-        seldom_again = not self.is_timed and tried > ENOUGH and len(self.known) > MOST_NEW * tried
-        if seldom_again or len(self.known) * self.horizon > MOST_CELLS:
+        tried = len(self.known)
+        seldom_again = not self.is_timed and tried > ENOUGH and len(self.leads) > MOST_NEW * tried
+        if seldom_again or len(self.leads) * self.horizon > MOST_CELLS:
             raise NoTableError
 
     def table(self) -> Table:
         """What is known, as arrays."""
-        shape = len(self.known), int(self.space.n)
-        after, paid, success, tried = np.full(shape, -1), np.zeros(shape), np.zeros(shape, bool), np.zeros(shape, bool)
-        for state, known in enumerate(self.known):
-            for action, (pays, succeeds) in known.items():
-                at = state, action
-                after[at], paid[at], success[at], tried[at] = self.leads[state][action], pays, succeeds, True
-        return Table([] if self.is_timed else list(self.states), self.begins, after, paid, success, tried)
+        shape = len(self.leads), int(self.space.n)
+        after, paid, success = np.full(shape, -1), np.full(shape, -np.inf), np.zeros(shape, bool)
+        for (state, action), told in self.known.items():
+            after[state, action] = self.leads[state][action]
+            paid[state, action], success[state, action] = told
+        return Table([] if self.is_timed else list(self.states), self.begins, after, paid, success)
 
 
 def ends(shown: Shown, step: int, horizon: int) -> bool:
@@ -287,7 +283,7 @@ def best_ways(table: Table, horizon: int, gamma: float, last: Mask, through: Mas
     value, length = np.full((horizon + 1, states), -np.inf), np.zeros((states,))
     choices = np.zeros((horizon, states), np.int8)
     goes_on, rows = through & (table.next >= 0), np.arange(states)
-    ended = np.where(last & table.tried, table.paid, -np.inf)
+    ended = np.where(last, table.paid, -np.inf)
     for step in reversed(range(horizon)):
         if step == horizon - 1:
             paid, lengths = ended, np.ones_like(ended)
@@ -344,19 +340,9 @@ def fastest_way(table: Table, begin: int, lasting: Ways, gamma: float) -> tuple[
     return way, best
 
 
-@dataclass(frozen=True, eq=False)
-class Best:
-    """The best-paid episode of one kind from one start.
-
-    Attributes:
-        actions: Counted from 0.
-        paid: Their sum of pay, discounted if that was asked.
-        policy: By what is observed, the action; None if it acts differently in the same state.
-    """
-
-    actions: list[int]
-    paid: float
-    policy: Data | None
+Best: TypeAlias = tuple[list[int], float, Data | None]
+"""The best-paid episode of one kind from one start: its actions, counted from 0; their sum of pay, discounted if that
+was asked; and by what is observed, the action, None if it acts differently in the same state."""
 
 
 def solved(table: Table, horizon: int, gamma: float, first: int) -> Callable[[int], list[Best]]:
@@ -373,28 +359,27 @@ def solved(table: Table, horizon: int, gamma: float, first: int) -> Callable[[in
     succeeding = best_ways(table, horizon, gamma, table.success, anyhow)
     lasting = best_ways(table, horizon, gamma, table.success, table.success)
 
-    def best(ways: Ways, state: int, actions: list[int], paid: float) -> Best:
-        """Where states are few, with a policy if the way is one: off it, it does what is best in the first step."""
-        if not 0 < len(table.keys) <= MOST_CHOICES:
-            return Best(actions, paid, None)
+    def policy(ways: Ways, state: int, actions: list[int]) -> Data | None:
+        """Where states are few, a policy if the way is one: off it, it does what is best in the first step."""
         chosen: dict[int, int] = {}
         for action in actions:
-            if chosen.setdefault(state, action) != action:
-                return Best(actions, paid, None)
+            if chosen.setdefault(state, action) != action or not 0 < len(table.keys) <= MOST_CHOICES:
+                return None
             state = int(table.next[state, action])
         choices = ways.choices[0] + first
         choices[[*chosen]] = [first + action for action in chosen.values()]
-        return Best(actions, paid, table_policy(table.keys, choices))
+        return table_policy(table.keys, choices)
 
     def bests(start: int) -> list[Best]:
         begin = table.begins[start]
         found = [
-            best(ways, begin, ways.actions(table, begin), float(ways.value[0, begin]))
+            (ways, ways.actions(table, begin), float(ways.value[0, begin]))
             for ways in (failing, succeeding)
             if ways.value[0, begin] > -np.inf
         ]
         fastest = fastest_way(table, begin, lasting, gamma)
-        return found if fastest is None else [*found, best(succeeding, begin, *fastest)]
+        found += [(succeeding, *fastest)] if fastest else []
+        return [(actions, paid, policy(ways, begin, actions)) for ways, actions, paid in found]
 
     return bests
 
@@ -429,13 +414,12 @@ def search_tables(world: World, starts: Sequence[int], keep: Keep, budget: int, 
     for gamma in dict.fromkeys((1.0, world.gamma)) if tables else ():
         bests_in = {table: solved(table, world.horizon, gamma, first) for table in dict.fromkeys(tables.values())}
         for row, start in enumerate(starts):
-            bests = bests_in[tables[start]](start)
-            actions = np.full((len(bests), world.horizon), first)
-            for taken, best in zip(actions, bests, strict=True):
-                taken[: len(best.actions)] += best.actions
-            rows = np.full(len(bests), row)
-            outcomes = world.play(np.full(len(bests), start), actions)
-            keep(rows, list(actions), outcomes, TABLE, [best.policy for best in bests])
+            best, told, policies = zip(*bests_in[tables[start]](start), strict=True)
+            actions = np.full((len(best), world.horizon), first)
+            for taken, way in zip(actions, best, strict=True):
+                taken[: len(way)] += way
+            outcomes = world.play(np.full(len(best), start), actions)
+            keep(np.full(len(best), row), list(actions), outcomes, TABLE, policies)
             paid = outcomes.paid if gamma == 1.0 else outcomes.discounted
-            are_true &= bool(np.allclose(paid, [best.paid for best in bests], rtol=TRUE, atol=TRUE))
+            are_true &= bool(np.allclose(paid, told, rtol=TRUE, atol=TRUE))
     return are_true
