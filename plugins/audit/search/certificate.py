@@ -305,9 +305,26 @@ class Certificate:
             **told["behaviour"],
             drawn=told.get("drawn", {}),
         )
-        _require_lengths(shown)
+        if shown.drawn and (set(shown.drawn) != DRAWN or any(it.ndim != 2 for it in shown.drawn.values())):
+            raise ValueError(f"drawn: it is not {', '.join(sorted(DRAWN))} in rows")
+        rows: Sequence[tuple[str, Any]] = [
+            ("actions", shown.actions),
+            ("success", shown.success),
+            *shown.terms.items(),
+            *shown.measures.items(),
+            *((name, values[1:]) for name, values in shown.drawn.items()),
+        ]
+        for name, values in rows:
+            if len(values) != len(shown.paid):
+                raise ValueError(f"{name}: it has {len(values)} rows for {len(shown.paid)} steps")
         made = cls(shown=shown, **{it.name: told[it.name] for it in fields(cls) if it.name in told})
-        _require_sums(paid, made)
+        # the sums that a file tells are those of its steps, but for rounding
+        most = sum(float(np.abs(it).sum()) for it in (shown.paid, *shown.terms.values()))
+        sums = [("total", paid["total"], made.paid), ("discounted", paid["discounted"], made.discounted)]
+        sums += [(name, it, episode_sum(shown.terms.get(name, np.zeros(1)))) for name, it in paid["of_terms"].items()]
+        for name, said, true in sums:
+            if abs(said - true) > ROUNDING * most:
+                raise ValueError(f"paid, {name}: it is {said}, and its steps come to {true}")
         return made
 
 
@@ -343,38 +360,3 @@ def file_names(certificates: Sequence[Certificate]) -> list[str]:
     labels = list(dict.fromkeys(it.place.reward.label for it in certificates))
     stems = dict(zip(labels, file_stems(labels), strict=True))
     return [f"{stems[it.place.reward.label]}-{it.role}.json" for it in certificates]
-
-
-def _require_sums(paid: Data, made: Certificate) -> None:
-    """See that the sums that a file tells are those of its steps, but for rounding.
-
-    Raises:
-        ValueError: They are not.
-    """
-    terms = made.shown.terms
-    most = sum(float(np.abs(it).sum()) for it in (made.shown.paid, *terms.values()))
-    rows = [("total", paid["total"], made.paid), ("discounted", paid["discounted"], made.discounted)]
-    rows += [(name, told, episode_sum(terms.get(name, np.zeros(1)))) for name, told in paid["of_terms"].items()]
-    for name, told, true in rows:
-        if abs(told - true) > ROUNDING * most:
-            raise ValueError(f"paid, {name}: it is {told}, and its steps come to {true}")
-
-
-def _require_lengths(shown: Shown) -> None:
-    """See that an episode has as many of everything as it has steps.
-
-    Raises:
-        ValueError: It has not.
-    """
-    if shown.drawn and (set(shown.drawn) != DRAWN or any(it.ndim != 2 for it in shown.drawn.values())):
-        raise ValueError(f"drawn: it is not {', '.join(sorted(DRAWN))} in rows")
-    rows: Sequence[tuple[str, Any]] = [
-        ("actions", shown.actions),
-        ("success", shown.success),
-        *shown.terms.items(),
-        *shown.measures.items(),
-        *((name, values[1:]) for name, values in shown.drawn.items()),
-    ]
-    for name, values in rows:
-        if len(values) != len(shown.paid):
-            raise ValueError(f"{name}: it has {len(values)} rows for {len(shown.paid)} steps")

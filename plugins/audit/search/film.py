@@ -3,20 +3,19 @@
 import base64
 import multiprocessing
 import time
-from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field, StringConstraints, with_config
 
-from harness.environment import AnyEnv
-from harness.errors import HarnessError, reason_of
+from harness.errors import reason_of
 from harness.experiment.environments.frames import strip_of
 from harness.experiment.environments.played_again import let_draw, picture_of
 from harness.files.plain import Plain
@@ -29,9 +28,6 @@ from harness.text import one_line
 from .place import Place, Text
 from .spaces import coded
 from .world import Actions, Shown
-
-if TYPE_CHECKING:
-    from PIL import Image
 
 PICTURES = 60
 """The most pictures of a behaviour."""
@@ -90,57 +86,45 @@ def films_of(place: Place, registry: Registry, episodes: Sequence[Shown]) -> lis
         episodes: What was done.
     """
     clock = np.unique(np.linspace(0, max(len(it.paid) for it in episodes), PICTURES).round().astype(int)).tolist()
+    films = list[Film]()
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
         asked = [pool.submit(draw_film, place, registry.given, it.start, it.actions, clock) for it in episodes]
         until = time.monotonic() + PATIENCE
-        films = [_awaited(it, until) for it in asked]
+        for film in asked:
+            try:
+                films.append(film.result(max(0.0, until - time.monotonic())))
+            except TimeoutError:
+                films.append(Film("There is no film: to draw it took too long."))
+            except BrokenProcessPool:
+                films.append(Film(f"There is no film: the process that draws it ended. {SCREEN}."))
         for process in list((pool._processes or {}).values()):
             process.kill()  # one that takes too long
     return films
 
 
-def _awaited(film: Future[Film], until: float) -> Film:
-    """The film, or why there is none by a time of `time.monotonic`."""
-    try:
-        return film.result(max(0.0, until - time.monotonic()))
-    except TimeoutError:
-        return Film("There is no film: to draw it took too long.")
-    except BrokenProcessPool:
-        return Film(f"There is no film: the process that draws it ended. {SCREEN}.")
-
-
 def draw_film(place: Place, given: Sequence[Given], start: int, actions: Actions, clock: Sequence[int]) -> Film:
-    """Play an episode in a new env, which draws it."""
+    """Play an episode in a new env, which draws it: the steps of the clock and the last one.
+
+    All pictures stand side by side; fewer of them, if they would take too much.
+    """
     registry = load_registry(given=given)
     try:
         require_pillow()
         with closing(place.task.build(registry, "environments").make()) as env:
             let_draw(env, place.name)
-            return _strip(_pictures(env, place.name, start, actions, clock))
-    except HarnessError as error:
-        return Film(f"There is no film: {one_line(str(error))}")
+            decoded = coded(env.action_space, place.name).decoded
+            env.reset(seed=start)
+            pictures = {0: picture_of(env, place.name)}
+            for step, action in enumerate(actions, 1):
+                env.step(decoded(action))
+                if step in clock or step == len(actions):
+                    pictures[step] = picture_of(env, place.name)
+        steps = sorted(pictures)
+        while len(steps) > 1:
+            strip, size = strip_of([pictures[step] for step in steps], SIZE, MOST_BYTES)
+            if strip:
+                return Film("", tuple(steps), size, strip)
+            steps = [*steps[:-1:2], steps[-1]] if len(steps) > 2 else steps[:1]
+        return Film(f"There is no film: its pictures take more than {MOST_BYTES:,} bytes.")
     except Exception as error:  # an env of anybody
         return Film(f"There is no film: {one_line(reason_of(error))}")
-
-
-def _pictures(env: AnyEnv, name: str, start: int, actions: Actions, clock: Sequence[int]) -> "dict[int, Image.Image]":
-    """Pictures by step, those of the clock and the last one."""
-    decoded = coded(env.action_space, name).decoded
-    env.reset(seed=start)
-    found = {0: picture_of(env, name)}
-    for step, action in enumerate(actions, 1):
-        env.step(decoded(action))
-        if step in clock or step == len(actions):
-            found[step] = picture_of(env, name)
-    return found
-
-
-def _strip(pictures: "Mapping[int, Image.Image]") -> Film:
-    """All pictures side by side; fewer of them, if they would take too much."""
-    steps = sorted(pictures)
-    while len(steps) > 1:
-        strip, size = strip_of([pictures[step] for step in steps], SIZE, MOST_BYTES)
-        if strip:
-            return Film("", tuple(steps), size, strip)
-        steps = [*steps[:-1:2], steps[-1]] if len(steps) > 2 else steps[:1]
-    return Film(f"There is no film: its pictures take more than {MOST_BYTES:,} bytes.")

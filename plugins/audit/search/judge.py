@@ -239,21 +239,19 @@ def _trusted(case: Case, successes: int, climbing: float) -> Case:
 
 
 def _decided(plain: Case, discounted: Case) -> Case:
-    """Which of the two sums decides at a start: an alarm by either, but a plain one that the discount takes back."""
+    """Which of the two sums decides at a start: an alarm by either, but a plain one that the discount takes back.
+
+    It does where, discounted, doing the task is clearly paid more than what tempts without.
+    """
     if discounted.is_alarm and not plain.is_alarm:
         return discounted
-    if (plain.is_alarm or plain.is_close) and _takes_back(plain, discounted):
-        return discounted
-    return plain
-
-
-def _takes_back(plain: Case, discounted: Case) -> bool:
-    """Whether discounted, doing the task is clearly paid more than what tempts without."""
-    task, tempting = discounted.three.success, getattr(plain.three, plain.tempting)
-    if discounted.word != NOTHING or task is None:
-        return False
-    other = discounted.three.failure if plain.tempting == "failure" else None
-    return bool(task.discounted > max(tempting.discounted, (other or tempting).discounted) + discounted.margin)
+    task = discounted.three.success
+    if not (plain.is_alarm or plain.is_close) or discounted.word != NOTHING or task is None:
+        return plain
+    tempting = getattr(plain.three, plain.tempting)
+    other = (plain.tempting == "failure" and discounted.three.failure) or tempting
+    takes_back = task.discounted > max(tempting.discounted, other.discounted) + discounted.margin
+    return discounted if takes_back else plain
 
 
 def _lines(

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
-from numpy.typing import NDArray
 
 from harness import Float, Ints
 
@@ -192,7 +191,12 @@ class Kept:
         for k in np.flatnonzero(outcomes.success).tolist():
             self._met[rows[k]].add(hash(np.ascontiguousarray(actions[k][: outcomes.steps[k]]).tobytes()))
         for of, pays in ((self.plain, outcomes.paid), (self.discounted, outcomes.discounted)):
-            for k in _promising(rows, outcomes, pays).tolist():
+            # the best-paid episodes first; of each start's failures only the best one
+            order = np.argsort(-pays, kind="stable")
+            order = order[np.isfinite(pays[order])]
+            failures, successes = order[~outcomes.success[order]], order[outcomes.success[order]]
+            _, first = np.unique(rows[failures], return_index=True)
+            for k in [*failures[first].tolist(), *successes.tolist()]:
                 best, pay = of[rows[k]], float(pays[k])
                 if best.is_better(bool(outcomes.success[k]), int(outcomes.time[k]), pay):
                     steps = int(outcomes.steps[k])
@@ -210,11 +214,3 @@ class Kept:
                         policies[k] if len(policies) else None,
                     )
                     best.keep(behaviour, pay)
-
-
-def _promising(rows: Ints, outcomes: Outcomes, pays: NDArray[Any]) -> NDArray[Any]:
-    """The best-paid episodes first; of each start's failures only the best one."""
-    order = np.argsort(-pays, kind="stable")
-    failures = order[~outcomes.success[order] & np.isfinite(pays[order])]
-    _, first = np.unique(rows[failures], return_index=True)
-    return np.concatenate([failures[first], order[outcomes.success[order] & np.isfinite(pays[order])]])

@@ -25,7 +25,6 @@ from .finding import Finding
 from .page import cheats_page
 from .place import Place, called_here, elsewhere_of, needs_of, runs_on, world_at
 from .replay import Replayed, certify, differences, replay
-from .world import World
 
 INDEX = "index.html"
 MOST_FILES = 300
@@ -168,16 +167,11 @@ def replay_file(path: Path, registry: Registry, sim: str | None = None) -> Repla
         *(f"No plugin that is given is {need}." for need in place.plugins if need not in needs_of(registry)),
     ]
     with closing(world_at(place, registry)) as world:
-        if not _fits(certificate, world):
+        chosen = (certificate.policy or {}).get("choices", {}).values()
+        if not all(world.space.contains(np.asarray(it)) for it in [*certificate.shown.actions, *chosen]):
             raise SchemaError(f"{path} holds actions that {world.name} does not take")
         try:
             here = called_here(place, registry)
             return replay(certificate, world, () if elsewhere else reasons, elsewhere, here, others)
         except (ValueError, IndexError, ZeroDivisionError) as error:  # a policy of other sizes
             raise SchemaError(f"{path} does not fit {world.name}: {one_line(error)}") from error
-
-
-def _fits(certificate: Certificate, world: World) -> bool:
-    """Whether a world takes all actions of a certificate."""
-    chosen = (certificate.policy or {}).get("choices", {}).values()
-    return all(world.space.contains(np.asarray(it)) for it in [*certificate.shown.actions, *chosen])

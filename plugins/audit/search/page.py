@@ -80,35 +80,32 @@ def cheats_page(
     )
 
 
-def _group(place: int, group: Mapping[Role, Certificate], names: Mapping[tuple[str, Role], str]) -> Data:
+def _group(row: int, group: Mapping[Role, Certificate], names: Mapping[tuple[str, Role], str]) -> Data:
     """What is said of one reward; `names` are those of files, if there are some."""
     first = next(iter(group.values()))
     reward = first.place.reward.label
-    answer, shown = first.answer, _distinct(group)
+    answer, found, place, shown = first.answer, first.found, first.place, _distinct(group)
+    told = f"success: {place.success}" if place.success else "nothing measures success"
+    terms = dict.fromkeys(name for it in shown.values() for name in it.shown.terms)
+    paid: list[tuple[str, ...]] = [
+        (name, *(number(episode_sum(it.shown.terms.get(name, NONE))) for it in shown.values())) for name in terms
+    ]
     return {
         "name": reward,
-        "anchor": f"reward-{place}",
+        "anchor": f"reward-{row}",
         "badge": BADGES.get(answer["word"], "no-difference"),
         "word": ", ".join(filter(None, (answer["word"], answer["strength"]))),
         "lead": answer["lines"][0] if answer["lines"] else "",
         "lines": answer["lines"][1:],
-        "setting": _setting(first),
+        "setting": f"{told}; of {answer['starts']} starts, start {first.shown.start} is shown; gamma {place.gamma:g}; "
+        f"a search of {found['steps']:,} steps with seed {found['seed']}: {', '.join(found['how'])}",
         "table": _table(shown),
-        "terms": _terms(shown),
+        "terms": Grid(("term", *shown), paid if len(terms) > 1 else [], [], "What each term paid"),
         "figures": [*_figures(shown)],
         "films": _films(shown),
-        "plugins": plugin_flags(list(first.place.plugins)),
+        "plugins": plugin_flags(list(place.plugins)),
         "files": [(names[reward, role], NAMES[role]) for role in group if names],
     }
-
-
-def _setting(it: Certificate) -> str:
-    place, found = it.place, it.found
-    told = f"success: {place.success}" if place.success else "nothing measures success"
-    return (
-        f"{told}; of {it.answer['starts']} starts, start {it.shown.start} is shown; gamma {place.gamma:g}; a search of "
-        f"{found['steps']:,} steps with seed {found['seed']}: {', '.join(found['how'])}"
-    )
 
 
 def _distinct(group: Mapping[Role, Certificate]) -> dict[str, Certificate]:
@@ -148,15 +145,6 @@ def _elsewhere(it: Certificate, name: str) -> str:
 def _last(it: Certificate, name: str) -> str:
     values = it.shown.measures.get(name)
     return "n/a" if values is None or np.isnan(values[-1]) else number(float(values[-1]))
-
-
-def _terms(shown: Shown) -> Grid:
-    """What each term paid each behaviour in all."""
-    names = dict.fromkeys(name for it in shown.values() for name in it.shown.terms)
-    rows: list[tuple[str, ...]] = [
-        (name, *(number(episode_sum(it.shown.terms.get(name, NONE))) for it in shown.values())) for name in names
-    ]
-    return Grid(("term", *shown), rows if len(names) > 1 else [], [], "What each term paid")
 
 
 def _figures(shown: Shown) -> Iterator[Figure]:
