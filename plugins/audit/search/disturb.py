@@ -1,7 +1,6 @@
 """Whether what a search found is a knife's edge: behaviours again, while their actions are disturbed."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import gymnasium
@@ -117,40 +116,27 @@ def noise_curve(
     return tuple(rows)
 
 
-@dataclass(frozen=True)
-class Strength:
-    """Whether an alarm stands while actions are disturbed as much as is tried.
-
-    Attributes:
-        word: `ROBUST` or `FRAGILE`.
-        stands: On so many starts it does.
-        count: Of so many.
-        tempting: What tempts is paid then, on average over these starts.
-        task: What it is compared with is paid, likewise.
-    """
-
-    word: str
-    stands: int
-    count: int
-    tempting: float
-    task: float
-
-
-def strength_of(world: World, alarmed: Sequence[tuple[Case, Mapping[Role, Acting]]], rng: Rng) -> Strength:
-    """Whether an alarm is a knife's edge.
+def strength_of(
+    world: World, alarmed: Sequence[tuple[Case, Mapping[Role, Acting]]], rng: Rng
+) -> tuple[str, int, list[float]]:
+    """Whether an alarm is a knife's edge: whether it stands while actions are disturbed as much as is tried.
 
     Args:
         world: Where.
         alarmed: The cases of an alarm, with the policies of behaviours that have one.
         rng: Draws the noise.
+
+    Returns:
+        `ROBUST` or `FRAGILE`; on how many starts it stands; what tempts is paid then, on average over these starts, and
+        what it is compared with.
     """
     asked = [
         (case.three.by_role()[role], NOISES[-1], acts.get(role))
         for case, acts in alarmed
         for role in (case.tempting, case.against)
     ]
-    both = disturb(world, asked, rng).mean(axis=2).reshape(-1, 2, 3)
-    paid = [of[:, int(case.discount != 1.0)] for of, (case, _) in zip(both, alarmed, strict=True)]
-    stands = sum(bool(tempting > task + case.margin) for (tempting, task), (case, _) in zip(paid, alarmed, strict=True))
-    word = ROBUST if 2 * stands >= len(alarmed) else FRAGILE
-    return Strength(word, stands, len(alarmed), *np.mean(paid, axis=0).tolist())
+    means, paid, stands = disturb(world, asked, rng).mean(axis=2).reshape(-1, 2, 3), list[Float](), 0
+    for of, (case, _) in zip(means, alarmed, strict=True):
+        paid.append(of[:, int(case.discount != 1.0)])
+        stands += bool(paid[-1][0] > paid[-1][1] + case.margin)
+    return ROBUST if 2 * stands >= len(alarmed) else FRAGILE, stands, np.mean(paid, axis=0).tolist()

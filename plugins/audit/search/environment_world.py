@@ -15,7 +15,7 @@ from harness import Float, Mask
 from harness.environment import AnyEnv
 from harness.errors import UsageError, reason_of
 from harness.eta.laws import direction_of
-from harness.experiment.environments.spaces import rows_of
+from harness.experiment.environments.spaces import ACHIEVED, DESIRED, rows_of
 from harness.log.log import SUCCESS
 from harness.record.dataset.labels import parse_success
 from harness.recorder.column import Column, made_columns
@@ -31,8 +31,6 @@ from .world import Shown, Step, World
 
 CUT_AT = 500
 """Steps of an episode that nothing else ends."""
-GOALS = "achieved_goal", "desired_goal"
-"""Keys of observations that hold goals."""
 TOLD_BY_INFO = ("is_success", SUCCESS)
 """Keys under which envs tell success."""
 SAME = 4
@@ -149,9 +147,9 @@ class EnvironmentWorld(World):
         name = key if self._rule.sign else next((it for it in directions if it != key), "")
         if name:
             return float(np.fmax.reduce(shown.measures[name] * directions[name])), trails
-        if not (isinstance(self.observes, Dict) and {*GOALS} <= self.observes.keys()):
+        if not (isinstance(self.observes, Dict) and {ACHIEVED, DESIRED} <= self.observes.keys()):
             return nan, trails
-        achieved, desired = (np.array([it[goal] for it in seen[1:]], np.float32) for goal in GOALS)
+        achieved, desired = (np.array([it[goal] for it in seen[1:]], np.float32) for goal in (ACHIEVED, DESIRED))
         return -float(np.linalg.norm(achieved - desired, axis=1).min()), trails
 
     def _ask(self, env: AnyEnv) -> None:

@@ -100,14 +100,13 @@ def find_in(
     strength = ""
     if cases := [case for case in judged.alarmed if case.word == judged.word]:
         acting = [_acting(case.three.by_role(), world, rates, given) for case in cases]
-        stood = strength_of(world, list(zip(cases, acting, strict=True)), rng)
-        strength, names = stood.word, [NAMES[role] for role in (judged.shown.tempting, judged.shown.against)]
-        fragile = strength == FRAGILE
-        on = f" on {stood.count - stood.stands if fragile else stood.stands} of {stood.count} starts"
+        strength, stands, (tempting, task) = strength_of(world, list(zip(cases, acting, strict=True)), rng)
+        count, is_fragile = len(cases), strength == FRAGILE
+        on = f" on {count - stands if is_fragile else stands} of {count} starts" if count > 1 else ""
         told.append(
-            f"{strength}: with action noise {NOISES[-1]:g} it {'no longer' if fragile else 'still'} pays more"
-            f"{on if stood.count > 1 else ''}. On average the {names[0]} then earns {number(stood.tempting)}, the "
-            f"{names[1]} {number(stood.task)}."
+            f"{strength}: with action noise {NOISES[-1]:g} it {'no longer' if is_fragile else 'still'} pays more{on}. "
+            f"On average the {NAMES[judged.shown.tempting]} then earns {number(tempting)}, the "
+            f"{NAMES[judged.shown.against]} {number(task)}."
         )
     if rates and not world.is_repeated:
         told.append("The same seed and actions do not bring the same again: policies were searched, no sequences.")

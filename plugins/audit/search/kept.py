@@ -84,6 +84,8 @@ between the best pay and what random actions are paid."""
 OF_GAIN, OF_LEAD = 0.2, 0.5
 """Or if it is paid less by this share of what the best-paid success gains over the fastest one, but not by more than
 this share of its lead over failures: where pay grows with time as a loop's does, the rest is still late."""
+NUMBERS = "paid", "discounted", "success", "steps", "time", "share"
+"""What is kept of what an episode came to."""
 EQUAL = 1e-6
 """Sums of pay are the same that differ by no more than this, of themselves or of 1."""
 
@@ -107,12 +109,10 @@ class Bests:
         self.failure_pay = -np.inf
         self._success = np.full(self.horizon + 1, -np.inf)
 
-    def is_better(self, success: bool, time: int, pay: float) -> bool:
-        """Whether such an episode would be kept."""
-        return bool(pay > (self._success[time] if success else self.failure_pay))
-
     def keep(self, behaviour: Behaviour, pay: float) -> None:
-        """Keep an episode, in the place of those that it makes needless."""
+        """Keep an episode if it is better than what was kept, in the place of those that it makes needless."""
+        if not pay > (self._success[behaviour.time] if behaviour.success else self.failure_pay):
+            return
         if not behaviour.success:
             self.failure, self.failure_pay = behaviour, pay
             return
@@ -197,20 +197,10 @@ class Kept:
             failures, successes = order[~outcomes.success[order]], order[outcomes.success[order]]
             _, first = np.unique(rows[failures], return_index=True)
             for k in [*failures[first].tolist(), *successes.tolist()]:
-                best, pay = of[rows[k]], float(pays[k])
-                if best.is_better(bool(outcomes.success[k]), int(outcomes.time[k]), pay):
-                    steps = int(outcomes.steps[k])
-                    behaviour = Behaviour(
-                        int(self.starts[rows[k]]),
-                        np.array(actions[k][:steps]),
-                        float(outcomes.paid[k]),
-                        float(outcomes.discounted[k]),
-                        bool(outcomes.success[k]),
-                        steps,
-                        int(outcomes.time[k]),
-                        float(outcomes.share[k]),
-                        {name: float(values[k]) for name, values in outcomes.measures.items()},
-                        made_by,
-                        policies[k] if len(policies) else None,
-                    )
-                    best.keep(behaviour, pay)
+                numbers: Data = {name: getattr(outcomes, name)[k].item() for name in NUMBERS}
+                measures = {name: values[k].item() for name, values in outcomes.measures.items()}
+                taken, policy = np.array(actions[k][: outcomes.steps[k]]), policies[k] if len(policies) else None
+                behaviour = Behaviour(
+                    int(self.starts[rows[k]]), taken, **numbers, measures=measures, made_by=made_by, policy=policy
+                )
+                of[rows[k]].keep(behaviour, float(pays[k]))

@@ -6,6 +6,7 @@ the box. The same policy is played from all starts at once.
 
 import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -116,28 +117,31 @@ def goals_of(world: World, outcomes: Outcomes) -> dict[str, Goal]:
     return goals
 
 
+@dataclass(eq=False)
 class Evolutions:
     """Evolutions of linear policies in a world, one after the other, each after one goal.
 
     Attributes:
+        world: Where.
+        starts: The seeds of the resets.
+        keep: Takes in every episode.
+        rng: Draws weights.
         best: By the name of a goal, the policy that came nearest to it from all starts, and what it came to there.
         differs: By the name of a goal, whether anything but pay ever told two policies apart.
     """
 
-    def __init__(self, world: World, starts: Ints, keep: Keep, rng: Rng) -> None:
-        """Play random actions, for the scale of what is observed and the names of measures.
+    world: World
+    starts: Ints
+    keep: Keep
+    rng: Rng
 
-        Args:
-            world: Where.
-            starts: The seeds of the resets.
-            keep: Takes in every episode.
-            rng: Draws weights.
-        """
-        self.world, self.starts, self.keep, self.rng = world, starts, keep, rng
+    def __post_init__(self) -> None:
+        """Play random actions, for the scale of what is observed and the names of measures."""
+        world, starts = self.world, self.starts
         rows = rows_of(world.observes)
         self.size = rows.size
         self.scales = Scales(self.size)
-        world.space.seed(int(rng.integers(2**31)))
+        world.space.seed(int(self.rng.integers(2**31)))
         seen: list[Float] = []
 
         def at_random(observed: Any) -> Any:
@@ -146,7 +150,7 @@ class Evolutions:
 
         outcomes, actions = world.act(starts, at_random)
         self.scales.add(seen)
-        keep(np.arange(len(starts)), actions, outcomes, "random", ())
+        self.keep(np.arange(len(starts)), actions, outcomes, "random", ())
         self.goals = goals_of(world, outcomes)
         self.best: dict[str, tuple[Data, Outcomes]] = {}
         self.differs = dict.fromkeys(self.goals, False)

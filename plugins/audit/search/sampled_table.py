@@ -79,11 +79,15 @@ class Sampled:
         return best
 
 
+@dataclass(eq=False)
 class Counts:
     """What was counted so far, in the episodes of any starts."""
 
-    def __init__(self, world: World, space: Discrete, rng: Rng) -> None:
-        self.world, self.space, self.rng = world, space, rng
+    world: World
+    space: Discrete
+    rng: Rng
+
+    def __post_init__(self) -> None:
         self.states: dict[str, int] = {}
         # by state and action, how often it was tried, what it paid, and how often it ended well, or was a success else
         self.tried, self.ended_well, self.success = Counter[Pair](), Counter[Pair](), Counter[Pair]()

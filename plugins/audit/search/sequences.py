@@ -7,7 +7,7 @@ alone, so that a failure is not called better paid only because successes were s
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -85,23 +85,28 @@ class Archive:
         return [self.ways[it] for it in (len(self.ways) * rng.random(count) ** 1.5).astype(np.int64)]
 
 
+@dataclass(eq=False)
 class Evolution:
     """The archives of all starts, and which mutations have proved useful.
 
     Attributes:
         world: Where it plays.
         kept: Gets every episode.
+        rng: Draws everything.
     """
 
-    def __init__(self, world: World, kept: Kept, rng: Rng) -> None:
-        self.world, self.kept = world, kept
-        self._rng, self._moves = rng, moves_in(world.space)
+    world: World
+    kept: Kept
+    rng: Rng
+
+    def __post_init__(self) -> None:
+        self._moves = moves_in(self.world.space)
         self._mutations = mutations_of(self._moves)
         rooms = {FAILURES: MANY, SUCCESSES: MANY, FASTEST: FEWER, NEAREST: FEWER}
-        if world.gamma < 1.0:
+        if self.world.gamma < 1.0:
             rooms |= {FAILURES_LATER: FEWER, SUCCESSES_LATER: FEWER}
-        self._archives = [{name: Archive(room) for name, room in rooms.items()} for _ in kept.starts]
-        self._cells = [Cells(world.observes) for _ in kept.starts]
+        self._archives = [{name: Archive(room) for name, room in rooms.items()} for _ in self.kept.starts]
+        self._cells = [Cells(self.world.observes) for _ in self.kept.starts]
         self._spread: Float = np.zeros(0)  # of observations; none where sequences do not hold
         self._proved: list[Feedback] = []
         # children that an archive kept, and children: by mutation; of those that hold, and of those that do not
@@ -130,7 +135,7 @@ class Evolution:
 
     def filled(self, actions: Actions) -> Actions:
         """What an episode of the world took, (steps, ...), as long as the horizon: noise follows it."""
-        rest = self._moves.played(self._moves.coloured(self._rng, 1, self.world.horizon)[0])
+        rest = self._moves.played(self._moves.coloured(self.rng, 1, self.world.horizon)[0])
         short = np.asarray(actions, rest.dtype)[: len(rest)]
         return np.concatenate([short.reshape(len(short), *rest.shape[1:]), rest[len(short) :]])
 
@@ -138,7 +143,7 @@ class Evolution:
         """Random actions at every start, and noise: medians of what the first are paid, and discounted, by start."""
         count, steps = len(self.kept.starts), self.world.horizon
         colours = [self._moves.white] * rounds + [self._moves.coloured] * rounds
-        genes = np.concatenate([colour(self._rng, count, steps) for colour in colours])
+        genes = np.concatenate([colour(self.rng, count, steps) for colour in colours])
         outcomes, _ = self._play(np.tile(np.arange(count), len(colours)), genes, [None] * len(genes))
         seen = outcomes.trails
         if seen and seen[0].shape[1] <= MOST_SEEN and self.world.together == 1:
@@ -149,7 +154,7 @@ class Evolution:
 
     def generation(self, children: int, ending: bool) -> None:
         """Breed and play so many children of each start."""
-        rows, rng = np.repeat(np.arange(len(self.kept.starts)), children), self._rng
+        rows, rng = np.repeat(np.arange(len(self.kept.starts)), children), self.rng
         families = [self._parents(row, children, ending) for row in range(len(self.kept.starts))]
         first, second, is_free = (list(itertools.chain(*parts)) for parts in zip(*families, strict=True))
         rates = self._useful[0] / self._useful[1]
@@ -178,7 +183,7 @@ class Evolution:
 
     def _hold(self, row: Ints, genes: Actions, known: Feedback | None, step: int) -> bool:
         """Play a sequence that holds: as its parent did, changed a little; or from a step on as another, or anyhow."""
-        rng, chance, flat = self._rng, self._rng.random(), rows_of(self.world.observes).of
+        rng, chance, flat = self.rng, self.rng.random(), rows_of(self.world.observes).of
         if known is not None and chance < 0.6:
             held = known.changed(rng, step)
         elif self._proved and chance < 0.85:
@@ -194,7 +199,7 @@ class Evolution:
 
     def _parents(self, row: int, count: int, ending: bool) -> tuple[list[Way], list[Way], Sequence[bool]]:
         """Parents of the children of one start: who is changed, whose parts may be put in; and who is to be left."""
-        archives, rng, horizon = self._archives[row], self._rng, self.world.horizon
+        archives, rng, horizon = self._archives[row], self.rng, self.world.horizon
         weights = SUCCEEDING if ending else WEIGHING
         if not archives[SUCCESSES].ways:
             weights = SEEKING
@@ -229,8 +234,8 @@ class Evolution:
     def _mutated(self, first: Sequence[Way], second: Sequence[Way], chosen: NDArray[Any]) -> Actions:
         """Children, each by its mutation and a quarter of them by a second one; those without any are as they are."""
         genes = np.stack([it.genes for it in first])
-        twice = (chosen >= 0) & (self._rng.random(len(genes)) < TWICE)
-        again = self._rng.integers(len(self._mutations), size=len(genes))
+        twice = (chosen >= 0) & (self.rng.random(len(genes)) < TWICE)
+        again = self.rng.integers(len(self._mutations), size=len(genes))
         for wanted in (chosen, np.where(twice, again, -1)):
             for which, mutation in enumerate(self._mutations):
                 these = np.flatnonzero(wanted == which).tolist()
@@ -239,7 +244,7 @@ class Evolution:
                     genes[these] = mutation(
                         Pairs(
                             self._moves,
-                            self._rng,
+                            self.rng,
                             genes[these],
                             np.array([first[k].length for k in these]),
                             np.stack([it.genes for it in others]),
