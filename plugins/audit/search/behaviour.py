@@ -11,6 +11,8 @@ from .world import Actions, Data, Outcomes
 
 Role: TypeAlias = Literal["failure", "success", "fastest"]
 ROLES: tuple[Role, ...] = get_args(Role)
+AS_FAST = 1.1
+"""A success is about as fast as the fastest one if it takes at most so many times as long."""
 
 
 @tells("start", "paid", "discounted", "success", "steps", "time", "share", "made_by")

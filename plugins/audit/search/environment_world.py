@@ -78,31 +78,21 @@ class EnvironmentWorld(World):
         self._rule, self._more = parse_success(success), dict[str, str]()
         given = columns(env)
         both = given.lower_is_better, given.higher_is_better
-        said = {it: direction_of(it, *both, is_flag=False) for it in given.behaviour}
-        self._direction_of = {it: 1 if better == "higher" else -1 for it, better in said.items() if better}
+        better = {it: direction_of(it, *both, is_flag=False) for it in given.behaviour}
+        said = {it: 1 if of == "higher" else -1 for it, of in better.items() if of}
         if self._rule.key and self._rule.key not in given.behaviour:
             self._more = {self._rule.key: self._rule.key}
         self._drew = False
         self._asked: _Asked | None = None
         self._ask(env)
         tried = self.at_random()
-        self.notes = (*self._find_success(tried), *filter(None, [self._coded.note]))
+        self.notes = (*self._find_success(tried, said), *filter(None, [self._coded.note]))
         if not limit:
             self.horizon = self._own_limit(tried) or CUT_AT
             if self.horizon == CUT_AT:
                 self.notes = (*self.notes, f"Nothing limits its episodes: they are cut after {CUT_AT} steps.")
-        self.taken = 0
-
-    @property
-    def success(self) -> str:  # type: ignore[override]
-        """What tells success, as a user types it; empty if nothing does."""
-        return self._rule.text
-
-    @cached_property
-    def directions(self) -> Mapping[str, int]:  # type: ignore[override]
-        """Those of the measures of which somebody said it, 1 where more is better; and what success says."""
-        found = self._direction_of
-        return {**found, self._rule.key: -1 if self._rule.sign.startswith("<") else 1} if self._rule.key else found
+        self.taken, self.success, key = 0, self._rule.text, self._rule.key
+        self.directions = {**said, **({key: -1 if self._rule.sign.startswith("<") else 1} if key else {})}
 
     @cached_property
     def is_repeated(self) -> bool:
@@ -111,10 +101,7 @@ class EnvironmentWorld(World):
 
     def open(self, count: int = 1) -> "_Asked":
         """The env, which plays one episode at a time; see `World`."""
-        if self._asked is None:
-            self._ask(self._make())
-        assert self._asked is not None
-        return self._asked
+        return self._asked or self._ask(self._make())
 
     def close(self) -> None:
         """Close the env, unless it is somebody else's."""
@@ -145,14 +132,15 @@ class EnvironmentWorld(World):
         directions, key, seen, rows = self.directions, self._rule.key, shown.observed, self._rows
         trails: Any = [np.array([rows.of(it) for it in seen], np.float32)] if rows.size else []
         name = key if self._rule.sign else next((it for it in directions if it != key), "")
+        near = nan
         if name:
-            return float(np.fmax.reduce(shown.measures[name] * directions[name])), trails
-        if not (isinstance(self.observes, Dict) and {ACHIEVED, DESIRED} <= self.observes.keys()):
-            return nan, trails
-        achieved, desired = (np.array([it[goal] for it in seen[1:]], np.float32) for goal in (ACHIEVED, DESIRED))
-        return -float(np.linalg.norm(achieved - desired, axis=1).min()), trails
+            near = float(np.fmax.reduce(shown.measures[name] * directions[name]))
+        elif isinstance(self.observes, Dict) and {ACHIEVED, DESIRED} <= self.observes.keys():
+            achieved, desired = (np.array([it[goal] for it in seen[1:]], np.float32) for goal in (ACHIEVED, DESIRED))
+            near = -float(np.linalg.norm(achieved - desired, axis=1).min())
+        return near, trails
 
-    def _ask(self, env: AnyEnv) -> None:
+    def _ask(self, env: AnyEnv) -> "_Asked":
         """Ask the reward and all measures about the steps of an env."""
         columns = self._columns(env)
         if self.reward not in columns.rewards:
@@ -161,6 +149,7 @@ class EnvironmentWorld(World):
         self.measures = tuple(behaviour)
         made = made_columns(env, {self.reward: columns.rewards[self.reward]}, behaviour, 1, frozenset())
         self._asked = _Asked(env, made, self._coded)
+        return self._asked
 
     def _own_limit(self, tried: Sequence[Shown]) -> int:
         """After how many steps an env ends episodes that says so nowhere; 0 where none tells.
@@ -181,16 +170,16 @@ class EnvironmentWorld(World):
         is_limit = is_truncated or len(longest) > max(2, len(played) / 2)
         return len(longest[0].paid) if is_limit else 0
 
-    def _find_success(self, tried: Sequence[Shown]) -> tuple[str, ...]:
+    def _find_success(self, tried: Sequence[Shown], directions: Mapping[str, int]) -> tuple[str, ...]:
         """Find what tells success if the user did not say; returns what there is to tell of it."""
         told = {name: np.concatenate([it.measures[name] for it in tried]) for name in self.measures}
-        asked = self.open()
-        if self._rule.key:
-            if self._more and np.isnan(told[self._rule.key]).all():
-                there = {*told, *asked.info} - {self._rule.key}
-                raise UsageError(f"success '{self._rule.text}': {unknown_name('measure', self._rule.key, there)}")
+        asked, key = self.open(), self._rule.key
+        if key:
+            if self._more and np.isnan(told[key]).all():
+                there = {*told, *asked.info} - {key}
+                raise UsageError(f"success '{self._rule.text}': {unknown_name('measure', key, there)}")
             return ()
-        flags = (name for name, values in told.items() if _is_flag(values) and self._direction_of.get(name) != -1)
+        flags = (name for name, values in told.items() if _is_flag(values) and directions.get(name) != -1)
         found = SUCCESS if SUCCESS in told else next(flags, "")
         if found:
             self._rule = parse_success(found)

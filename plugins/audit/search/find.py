@@ -24,6 +24,7 @@ from .finding import NAMES, Finding
 from .held_out import act_of
 from .judge import Walks, judge
 from .place import Place, blamed_at, elsewhere_of, world_at
+from .table import TRAINING
 from .world import Act, Shown, World
 
 if TYPE_CHECKING:
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 
 WATCHED = 16
 """So many episodes of a policy are looked at where chance decides."""
-SEEDS = (100_000, 1_000_000)
-"""Starts are reset with seeds between these; trainings count theirs from 0, and evaluations have larger ones."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ class Search:
 
     def draw_starts(self) -> tuple[int, ...]:
         """The seeds of the resets; no evaluation and no training has them."""
-        drawn = np.random.default_rng([self.seed, *SEEDS]).choice(np.arange(*SEEDS), self.starts, replace=False)
+        drawn = np.random.default_rng([self.seed, *TRAINING]).choice(np.arange(*TRAINING), self.starts, replace=False)
         return tuple(map(int, drawn))
 
 

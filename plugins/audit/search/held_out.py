@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from harness import Ints
 from harness.eta.interval import CONFIDENCE, quantile
 
-from .behaviour import Behaviour, Rated, Rates, Searched, Three
+from .behaviour import AS_FAST, Behaviour, Rated, Rates, Searched, Three
 from .linear import LINEAR, Linear, search_linear
 from .sampled_table import sample_tables
 from .table import TABLE, TRAINING, act_by_table, decides_by_chance
@@ -23,8 +23,6 @@ FEWEST, MOST = 24, 200
 """Episodes of a policy that is rated."""
 CLEARLY = 0.05
 """Rates of success that differ by no more than this are about the same."""
-AS_FAST = 1.1
-"""A policy is about as fast as the fastest one if its successes take at most so much longer on average."""
 
 
 def act_of(policy: Data, world: World) -> Act:

@@ -18,6 +18,7 @@ from harness.text import number
 from .behaviour import ROLES, Behaviour, Role, Searched, Three
 from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES, NOTHING
 from .held_out import share_interval
+from .table import TABLE
 from .world import Shown, World, since
 
 MARGIN = 0.05
@@ -41,8 +42,6 @@ LATEST, LATE = 0.9, (0.8, 0.95)
 """A success that comes and goes, and came last after the first share of an episode, does not tell what holding it pays.
 Nor does one that comes within the other two, whether it lasts or not, where failing is paid as much; what comes later
 still, such as having survived, could not come sooner."""
-TABLE = "table"
-"""Searched so, a world was counted out: nothing pays more."""
 
 
 Walks: TypeAlias = Callable[[Behaviour], Sequence[Shown]]

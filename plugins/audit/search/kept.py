@@ -12,7 +12,7 @@ import numpy as np
 
 from harness import Float, Ints
 
-from .behaviour import Behaviour, Three
+from .behaviour import AS_FAST, Behaviour, Three
 from .moves import Feedback
 from .world import Actions, Data, Outcomes, Rng
 
@@ -76,8 +76,6 @@ class Cells:
         return [ways[it] for it in rng.choice(len(ways), count, p=weights / weights.sum())]
 
 
-AS_FAST = 1.1
-"""A success is about as fast as the fastest one if it takes at most so much longer."""
 AS_PAID = 0.01
 """A success is about as well paid as the best-paid one if it is paid so much less at most, as a share of what lies
 between the best pay and what random actions are paid."""

@@ -23,7 +23,7 @@ from .world import Data, Outcomes, Rng, World
 LINEAR = "linear policy"
 """The kind of such a policy, and what its episodes are said to be made by."""
 LARGEST = 64
-"""Numbers of an observation; where there are more, linear policies are not tried."""
+"""Numbers of an observation; where there are more, nothing is tried that is linear in them."""
 SQUARED = 8
 """Numbers of an observation up to which every second evolution also gives a policy their products."""
 POPULATION, PARENTS, GENERATIONS, PATIENCE = 16, 4, 15, 5

@@ -17,6 +17,7 @@ from harness import Float, Ints, Mask
 from harness.experiment.environments.spaces import rows_of
 
 from .kept import Cells, Kept, Way
+from .linear import LARGEST
 from .moves import Feedback, draw_feedback, moves_in
 from .mutations import Pairs, mutations_of
 from .world import Actions, Data, Outcomes, Rng, World
@@ -45,8 +46,6 @@ SUCCEEDING: Weights = {FAILURES: 2, FAILURES_LATER: 0.5, SUCCESSES: 5, SUCCESSES
 """How often in the last part."""
 
 
-MOST_SEEN = 64
-"""Numbers of an observation; where there are more, no sequence holds by them."""
 PROVED = 40
 """So many of the latest feedbacks that an archive kept are tried again, at other starts too."""
 TWICE = 0.25
@@ -146,7 +145,7 @@ class Evolution:
         genes = np.concatenate([colour(self.rng, count, steps) for colour in colours])
         outcomes, _ = self._play(np.tile(np.arange(count), len(colours)), genes, [None] * len(genes))
         seen = outcomes.trails
-        if seen and seen[0].shape[1] <= MOST_SEEN and self.world.together == 1:
+        if seen and seen[0].shape[1] <= LARGEST and self.world.together == 1:
             self._spread = np.maximum(np.concatenate(seen).std(axis=0), 1e-3)
         paid = np.stack([outcomes.paid, outcomes.discounted]).reshape(2, -1, count)
         typical: list[list[float]] = np.median(paid[:, :rounds], axis=1).tolist()

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from harness import Float, Ints, Mask
 
+from .behaviour import AS_FAST
 from .world import Act, Actions, Data, Outcomes, Rng, Shown, World, key_of
 
 MOST_ACTIONS = 32
@@ -32,11 +33,9 @@ TRUE = 1e-6
 CLOSE = 1e-9
 """Pay is the same if it differs by no more than this, of itself or of 1."""
 TRAINING = 100_000, 1_000_000
-"""Seeds of resets that policies are looked for with."""
+"""Seeds of resets that are searched; trainings count theirs from 0, and evaluations have larger ones."""
 RESETS = 32
 """So many starts are looked at to find two that begin alike."""
-SLOWER = 1.1
-"""A success is about as fast as the fastest one up to so many times its time."""
 
 
 Keep: TypeAlias = Callable[[Ints, Sequence[Actions], Outcomes, str, Sequence[Data | None]], object]
@@ -321,7 +320,7 @@ def fastest_way(table: Table, begin: int, lasting: Ways, gamma: float) -> tuple[
         if step + 1 > limit:
             break
         if total[state] > -np.inf:
-            limit = min(limit, SLOWER * (step + 1))
+            limit = min(limit, AS_FAST * (step + 1))
         if total[state] > best:
             best, found = float(total[state]), (state, step)
         gained = reached[state_of] + gamma**step * paid
