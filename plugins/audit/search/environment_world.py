@@ -26,7 +26,7 @@ from harness.reward.given import Before, Now, Untold, told_under, zeros_of
 
 from ..transitions.audit_rewards import opened_env
 from .moves import bounds_of
-from .spaces import Coded, coded
+from .spaces import coded
 from .world import Shown, Step, World
 
 CUT_AT = 500
@@ -82,8 +82,7 @@ class EnvironmentWorld(World):
         said = {it: 1 if of == "higher" else -1 for it, of in better.items() if of}
         if self._rule.key and self._rule.key not in given.behaviour:
             self._more = {self._rule.key: self._rule.key}
-        self._drew = False
-        self._asked: _Asked | None = None
+        self._drew, self._info = False, dict[str, Any]()
         self._ask(env)
         tried = self.at_random()
         self.notes = (*self._find_success(tried, said), *filter(None, [self._coded.note]))
@@ -97,18 +96,32 @@ class EnvironmentWorld(World):
     @cached_property
     def is_repeated(self) -> bool:
         """Whether the same comes again, and neither the reward nor a measure drew at random; see `World`."""
-        return super().is_repeated and not (self._drew or self.open().drew)
+        return super().is_repeated and not self._drew
 
-    def open(self, count: int = 1) -> "_Asked":
-        """The env, which plays one episode at a time; see `World`."""
-        return self._asked or self._ask(self._make())
+    def _ask(self, env: AnyEnv) -> None:
+        """Ask the reward and all measures about the steps of an env, as `harness.RecordRewards` does."""
+        columns = self._columns(env)
+        if self.reward not in columns.rewards:
+            raise UsageError(unknown_name("reward", self.reward, columns.rewards))
+        behaviour = {**columns.behaviour, **self._more}
+        self.measures, self._env, self._is_open = tuple(behaviour), env, True
+        self._asked = made_columns(env, {self.reward: columns.rewards[self.reward]}, behaviour, 1, frozenset())
+        self._functions = [it.measures[0] for it in self._asked if it.measures]
+        self._of_step = [it.takes_step for it in self._asked if it.measures]
+        self._guard, self._place = Guard(), (0, 0)
+        self._before: tuple[Any, ...] = ()
+
+    def open(self, count: int = 1) -> "EnvironmentWorld":
+        """Itself, which plays one episode at a time; see `World`."""
+        if not self._is_open:
+            self._ask(self._make())
+        return self
 
     def close(self) -> None:
         """Close the env, unless it is somebody else's."""
-        if self._is_new and self._asked is not None:
-            self._drew |= self._asked.drew
-            self._asked.close()
-            self._asked = None
+        if self._is_new and self._is_open:
+            self._env.close()
+            self._is_open = False
 
     def written(self, action: Any) -> Any:
         """An action of its env as it is coded; see `World`."""
@@ -117,7 +130,7 @@ class EnvironmentWorld(World):
     @property
     def terms(self) -> Sequence[str]:  # type: ignore[override]
         """The names of the terms of the reward; none if it has none."""
-        return self.open().columns[0].terms or ()
+        return self._asked[0].terms or ()
 
     def successes(self, told: Float) -> Mask:
         """By the rule that tells success; see `World`."""
@@ -140,16 +153,28 @@ class EnvironmentWorld(World):
             near = -float(np.linalg.norm(achieved - desired, axis=1).min())
         return near, trails
 
-    def _ask(self, env: AnyEnv) -> "_Asked":
-        """Ask the reward and all measures about the steps of an env."""
-        columns = self._columns(env)
-        if self.reward not in columns.rewards:
-            raise UsageError(unknown_name("reward", self.reward, columns.rewards))
-        behaviour = {**columns.behaviour, **self._more}
-        self.measures = tuple(behaviour)
-        made = made_columns(env, {self.reward: columns.rewards[self.reward]}, behaviour, 1, frozenset())
-        self._asked = _Asked(env, made, self._coded)
-        return self._asked
+    def reset(self, starts: list[int]) -> tuple[Any, Any]:
+        seal, (start,) = self._guard.seal, starts
+        observation, info = self._env.reset(seed=start)
+        self._place, self._before = (start, 0), (seal(observation), None, seal(info))
+        for column in self._asked:
+            if column.remembers:
+                try:
+                    self._guard.answer(column.measures[0].reset, ())
+                except Exception as error:  # whatever rewards of users raise
+                    raise UsageError(f"{column.noun}: its reset() fails: {reason_of(error)}") from error
+        return [observation], self._before[:1]
+
+    def step(self, actions: Any) -> Step:
+        taken: Any = np.array(actions[0], self.space.dtype).ravel()
+        if not self.space.shape:
+            taken = taken.item()
+        action = self._coded.decoded(taken)
+        observation, pays, terminated, truncated, self._info = self._env.step(action)
+        ends = bool(terminated), bool(truncated)
+        kept, paid, told = self._tell(action, observation, pays, self._info, ends)
+        ended = {0: "terminated" if terminated else "truncated"} if terminated or truncated else {}
+        return Step([taken], [observation], [kept], [paid], [told], ended)
 
     def _own_limit(self, tried: Sequence[Shown]) -> int:
         """After how many steps an env ends episodes that says so nowhere; 0 where none tells.
@@ -173,10 +198,10 @@ class EnvironmentWorld(World):
     def _find_success(self, tried: Sequence[Shown], directions: Mapping[str, int]) -> tuple[str, ...]:
         """Find what tells success if the user did not say; returns what there is to tell of it."""
         told = {name: np.concatenate([it.measures[name] for it in tried]) for name in self.measures}
-        asked, key = self.open(), self._rule.key
+        info, key = self._info, self._rule.key
         if key:
             if self._more and np.isnan(told[key]).all():
-                there = {*told, *asked.info} - {key}
+                there = {*told, *info} - {key}
                 raise UsageError(f"success '{self._rule.text}': {unknown_name('measure', key, there)}")
             return ()
         flags = (name for name, values in told.items() if _is_flag(values) and directions.get(name) != -1)
@@ -184,60 +209,12 @@ class EnvironmentWorld(World):
         if found:
             self._rule = parse_success(found)
             return () if found == SUCCESS else (f"{found}, which is 0 or 1, is taken for success.",)
-        info = asked.info
         key = next((it for it in TOLD_BY_INFO if it in info and _is_flag(np.array([info[it]], float))), "")
         if not key:
             return ()
         self._rule, self._more = parse_success(key), {key: key}
-        self._ask(asked.env)
+        self._ask(self._env)
         return (f"No measure says what success is: {key} is taken, which the environment tells in info.",)
-
-
-class _Asked:
-    """One env, and a reward and measures that are asked about its steps, as `harness.RecordRewards` does; see `Batch`.
-
-    Attributes:
-        env: That env.
-        columns: The reward's, then those of the measures.
-        info: What it told last.
-        drew: Whether a reward or a measure drew from a generator that the whole process shares.
-    """
-
-    def __init__(self, env: AnyEnv, columns: Sequence[Column], coding: Coded) -> None:
-        self.env, self.columns, self._coded = env, columns, coding
-        self.info: Mapping[str, Any] = {}
-        self.drew = False
-        self._functions = [it.measures[0] for it in self.columns if it.measures]
-        self._of_step = [it.takes_step for it in self.columns if it.measures]
-        self._is_watched = any(it.is_watched for it in self.columns)
-        self._guard, self._place = Guard(), (0, 0)
-        self._before: tuple[Any, ...] = ()
-
-    def reset(self, starts: list[int]) -> tuple[Any, Any]:
-        seal, (start,) = self._guard.seal, starts
-        observation, info = self.env.reset(seed=start)
-        self._place, self._before = (start, 0), (seal(observation), None, seal(info))
-        for column in self.columns:
-            if column.remembers:
-                try:
-                    self._guard.answer(column.measures[0].reset, ())
-                except Exception as error:  # whatever rewards of users raise
-                    raise UsageError(f"{column.noun}: its reset() fails: {reason_of(error)}") from error
-        return [observation], self._before[:1]
-
-    def step(self, actions: Any) -> Step:
-        taken: Any = np.array(actions[0], self._coded.space.dtype).ravel()
-        if not self._coded.space.shape:
-            taken = taken.item()
-        action = self._coded.decoded(taken)
-        observation, pays, terminated, truncated, self.info = self.env.step(action)
-        ends = bool(terminated), bool(truncated)
-        kept, paid, told = self._tell(action, observation, pays, self.info, ends)
-        ended = {0: "terminated" if terminated else "truncated"} if terminated or truncated else {}
-        return Step([taken], [observation], [kept], [paid], [told], ended)
-
-    def close(self) -> None:
-        self.env.close()
 
     def _tell(
         self, action: Any, observation: Any, pays: Any, info: Any, ends: tuple[bool, bool]
@@ -254,10 +231,11 @@ class _Asked:
                 before = Before._make((seen, last if step else zeros_of(given[1]), told))
                 forms = given, (Now._make((kept, given[1], given[3], *ends, before)),)
             asking = [forms[of_step] for of_step in self._of_step]
-            answers = iter(self._guard.ask(self._functions, asking, is_watched=self._is_watched))
-            self.drew, self._before = self.drew or bool(self._guard.drew), (kept, given[1], given[3])
-        values = [next(answers) if it.measures else pays for it in self.columns]
-        numbers = [self._numbers(*it, info, forms) for it in zip(self.columns, values, strict=True)]
+            is_watched = any(it.is_watched for it in self._asked)
+            answers = iter(self._guard.ask(self._functions, asking, is_watched=is_watched))
+            self._drew, self._before = self._drew or bool(self._guard.drew), (kept, given[1], given[3])
+        values = [next(answers) if it.measures else pays for it in self._asked]
+        numbers = [self._numbers(*it, info, forms) for it in zip(self._asked, values, strict=True)]
         return kept, numbers[0], [it[0] for it in numbers[1:]]
 
     def _numbers(self, column: Column, value: Any, info: Any, forms: tuple[Any, ...]) -> list[float]:
