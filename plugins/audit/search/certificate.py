@@ -162,7 +162,7 @@ class TableForm(TypedDict):
 
 
 class LinearForm(TypedDict):
-    """A linear policy; see `Linear`."""
+    """A linear policy; see `act_linear`."""
 
     kind: Literal["linear policy"]
     weights: Annotated[list[Row], Field(min_length=1, max_length=1_000)]

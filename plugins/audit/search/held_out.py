@@ -10,7 +10,7 @@ from harness import Ints
 from harness.eta.interval import CONFIDENCE, quantile
 
 from .behaviour import AS_FAST, Behaviour, Rated, Rates, Searched, Three
-from .linear import LINEAR, Linear, search_linear
+from .linear import LINEAR, act_linear, search_linear
 from .sampled_table import sample_tables
 from .table import TABLE, TRAINING, act_by_table, decides_by_chance
 from .world import Act, Data, Rng, World
@@ -35,7 +35,7 @@ def act_of(policy: Data, world: World) -> Act:
     if policy["kind"] == TABLE:
         return act_by_table(policy)
     if policy["kind"] == LINEAR:
-        return Linear(policy, world)
+        return act_linear(policy, world)
     space = world.space
     space.seed(policy["seed"])
     return lambda observed: space.sample()
@@ -74,7 +74,7 @@ def search_by_chance(world: World, starts: Ints, budget: int, rng: Rng) -> Searc
     if not decides_by_chance(world, find // 5, rng):
         return None
     find -= world.taken - begun
-    policies = sample_tables(world, lambda: int(rng.integers(*TRAINING)), find, rng)
+    policies = sample_tables(world, find, rng)
     if not policies:
         policies = search_linear(world, starts, lambda *_: None, find, rng)
     policies.append({"kind": "random", "seed": int(rng.integers(2**31))})

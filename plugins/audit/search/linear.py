@@ -5,7 +5,7 @@ the box. The same policy is played from all starts at once.
 """
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -18,7 +18,7 @@ from harness.experiment.environments.spaces import rows_of
 
 from .moves import Choices, moves_in
 from .table import Keep
-from .world import Data, Outcomes, Rng, World
+from .world import Act, Actions, Data, Outcomes, Rng, World
 
 LINEAR = "linear policy"
 """The kind of such a policy, and what its episodes are said to be made by."""
@@ -44,50 +44,23 @@ Goal: TypeAlias = Callable[[Outcomes], tuple[NDArray[Any], ...]]
 """What an evolution is after: of each episode, numbers of which more is better, the first one that differs decides."""
 
 
-class Linear:
-    """A linear policy that acts in a world; `seen` keeps what it observed, flat."""
+def act_linear(policy: Data, world: World) -> Act:
+    """What a linear policy does in a world."""
+    weights, mean, scale = (np.asarray(policy[name]) for name in ("weights", "mean", "scale"))
+    of, moves, space, size = rows_of(world.observes).of, moves_in(world.space), world.space, len(mean)
+    inverse, (rows, columns) = 1.0 / scale, np.triu_indices(size)
 
-    def __init__(self, policy: Data, world: World) -> None:
-        self.weights = np.asarray(policy["weights"])
-        self.mean, self.inverse = np.asarray(policy["mean"]), 1.0 / np.asarray(policy["scale"])
-        self.squares = np.triu_indices(len(self.mean)) if self.weights.shape[1] > 1 + len(self.mean) else None
-        self.rows, self.space, self.moves = rows_of(world.observes), world.space, moves_in(world.space)
-        self.seen: list[Float] = []
+    def act(observed: Any) -> Any:
+        scaled = np.minimum(np.maximum((np.asarray(of(observed), np.float64) - mean) * inverse, -FAR), FAR)
+        told = weights[:, 0] + weights[:, 1 : 1 + size] @ scaled
+        if weights.shape[1] > 1 + size:
+            told += weights[:, 1 + size :] @ (scaled[rows] * scaled[columns])
+        chosen = moves.chosen(told)
+        if isinstance(moves, Choices):
+            return int(moves.played(chosen))
+        return (moves.middle + moves.half * chosen).reshape(space.shape).astype(space.dtype)
 
-    def __call__(self, observed: Any) -> Any:
-        """One action."""
-        flat = np.asarray(self.rows.of(observed), np.float64)
-        self.seen.append(flat)
-        scaled = np.minimum(np.maximum((flat - self.mean) * self.inverse, -FAR), FAR)
-        told = self.weights[:, 0] + self.weights[:, 1 : 1 + len(scaled)] @ scaled
-        if self.squares is not None:
-            told += self.weights[:, 1 + len(scaled) :] @ (scaled[self.squares[0]] * scaled[self.squares[1]])
-        chosen = self.moves.chosen(told)
-        if isinstance(self.moves, Choices):
-            return int(self.moves.played(chosen))
-        return (self.moves.middle + self.moves.half * chosen).reshape(self.space.shape).astype(self.space.dtype)
-
-
-class Scales:
-    """Mean and standard deviation of all that was observed, kept as it runs."""
-
-    def __init__(self, size: int) -> None:
-        self.count, self.sum, self.squared = 0, np.zeros(size), np.zeros(size)
-
-    def add(self, seen: Sequence[Float]) -> None:
-        """Take in observations."""
-        if seen:
-            rows = np.clip(np.stack(seen), -1e6, 1e6)
-            self.count += len(rows)
-            self.sum += rows.sum(axis=0)
-            self.squared += (rows**2).sum(axis=0)
-
-    def now(self) -> tuple[list[float], list[float]]:
-        """The mean, and the standard deviation; 1 of what never changed."""
-        count = max(self.count, 1)
-        mean = self.sum / count
-        scale = np.sqrt(np.maximum(self.squared / count - mean**2, 0.0))
-        return mean.tolist(), np.where(scale > 1e-8, scale, 1.0).tolist()
+    return act
 
 
 def goals_of(world: World, outcomes: Outcomes) -> dict[str, Goal]:
@@ -138,23 +111,31 @@ class Evolutions:
     def __post_init__(self) -> None:
         """Play random actions, for the scale of what is observed and the names of measures."""
         world, starts = self.world, self.starts
-        rows = rows_of(world.observes)
-        self.size = rows.size
-        self.scales = Scales(self.size)
+        self.rows = rows_of(world.observes)
+        self.size = self.rows.size
+        self._count, self._sum, self._squared = 0, np.zeros(self.size), np.zeros(self.size)  # of all that was observed
         world.space.seed(int(self.rng.integers(2**31)))
-        seen: list[Float] = []
-
-        def at_random(observed: Any) -> Any:
-            seen.append(np.asarray(rows.of(observed), np.float64))
-            return world.space.sample()
-
-        outcomes, actions = world.act(starts, at_random)
-        self.scales.add(seen)
+        outcomes, actions = self._watch(starts, lambda observed: world.space.sample())
         self.keep(np.arange(len(starts)), actions, outcomes, "random", ())
         self.goals = goals_of(world, outcomes)
         self.best: dict[str, tuple[Data, Outcomes]] = {}
         self.differs = dict.fromkeys(self.goals, False)
         self._first = {name: _reached(goal, outcomes)[:-1] for name, goal in self.goals.items()}
+
+    def _watch(self, starts: Ints, policy: Act) -> tuple[Outcomes, list[Actions]]:
+        """Play episodes of a policy, and take in what is observed before each step."""
+        seen = list[Float]()
+
+        def act(observed: Any) -> Any:
+            seen.append(np.asarray(self.rows.of(observed), np.float64))
+            return policy(observed)
+
+        played = self.world.act(starts, act)
+        rows = np.clip(np.stack(seen), -1e6, 1e6)
+        self._count += len(rows)
+        self._sum += rows.sum(axis=0)
+        self._squared += (rows**2).sum(axis=0)
+        return played
 
     def evolve(self, name: str, until: int, *, squares: bool, again: bool) -> None:
         """One evolution after a goal, until it brings nothing more or the world has taken so many steps.
@@ -168,8 +149,10 @@ class Evolutions:
         goal, space = self.goals[name], self.world.space
         width = 1 + self.size + (self.size * (self.size + 1) // 2 if squares else 0)
         rows = int(np.prod(space.shape)) if isinstance(space, Box) else 1 if space.n == 2 else int(space.n)
-        mean, scale = self.scales.now()
-        begins: dict[str, Any] = {"kind": LINEAR, "weights": [], "mean": mean, "scale": scale}
+        mean = self._sum / self._count
+        scale = np.sqrt(np.maximum(self._squared / self._count - mean**2, 0.0))
+        scale = np.where(scale > 1e-8, scale, 1.0)  # 1 of what never changed
+        begins: dict[str, Any] = {"kind": LINEAR, "weights": [], "mean": mean.tolist(), "scale": scale.tolist()}
         middle = np.zeros((rows, width))
         if again and name in self.best:  # the products that it lacks have weights 0
             begins = dict(self.best[name][0])
@@ -202,9 +185,7 @@ class Evolutions:
                 return
 
     def _play(self, policy: Data, some: Ints) -> Outcomes:
-        acting = Linear(policy, self.world)
-        outcomes, actions = self.world.act(self.starts[some], acting)
-        self.scales.add(acting.seen)
+        outcomes, actions = self._watch(self.starts[some], act_linear(policy, self.world))
         self.keep(some, actions, outcomes, LINEAR, [policy] * len(some))
         for name, goal in self.goals.items():
             self.differs[name] |= _reached(goal, outcomes)[:-1] != self._first[name]

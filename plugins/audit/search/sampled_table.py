@@ -1,7 +1,7 @@
 """Tables of worlds where chance decides: counted over many episodes, and solved for policies by value iteration."""
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -11,8 +11,8 @@ from gymnasium.spaces import Discrete
 from harness import Float, Ints, Mask
 from harness.log.log import episode_sum
 
-from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, ends, table_policy
-from .world import Act, Data, Rng, Shown, World, key_of
+from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, TRAINING, ends, table_policy
+from .world import Act, Data, Rng, World, key_of
 
 MOST_STATES = 20_000
 KNOWN, FEWEST = 16, 3
@@ -32,8 +32,6 @@ EXPLORED, ROUNDS, EACH = 0.6, 4, 25
 played in so many episodes each at most."""
 Pair: TypeAlias = tuple[int, int]
 """A state and an action."""
-Draw: TypeAlias = Callable[[], int]
-"""Draws the seed of a reset."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +39,6 @@ class Sampled:
     """Means of what was counted.
 
     Attributes:
-        keys: Of each state, the key of what is observed.
         tried: How often each action was tried, (states, actions).
         paid: What it paid on average, (states, actions).
         ended_well: How often it ended an episode in success, a share, (states, actions).
@@ -49,7 +46,6 @@ class Sampled:
         moves: How often it led to each state, a share, (states * actions, states).
     """
 
-    keys: Sequence[str]
     tried: Float
     paid: Float
     ended_well: Float
@@ -96,9 +92,9 @@ class Counts:
         self.news, self._longest = 0, 0
         self._returns = list[float]()
 
-    def play(self, start: int, act: Act) -> Shown:
-        """Play an episode of a policy, and count it."""
-        shown = self.world.watch(start, act)
+    def play(self, act: Act) -> None:
+        """Play an episode of a policy from any start, and count it."""
+        shown = self.world.watch(int(self.rng.integers(*TRAINING)), act)
         self._longest = max(self._longest, len(shown.actions))
         states = [self.states.setdefault(key_of(it), len(self.states)) for it in shown.observed]
         for step, action in enumerate((shown.actions - self.space.start).tolist()):
@@ -111,7 +107,6 @@ class Counts:
             if not end:
                 self.moves[*at, states[step + 1]] += 1
         self._returns.append(episode_sum(shown.paid))
-        return shown
 
     @property
     def is_table(self) -> bool:
@@ -138,7 +133,7 @@ class Counts:
         rows = [state * shape[1] + action for state, action, _ in self.moves]
         shares = [count / tried[state, action] for (state, action, _), count in self.moves.items()]
         moves = csr_array((shares, (rows, [after for *_, after in self.moves])), shape=(shape[0] * shape[1], shape[0]))
-        return Sampled(list(self.states), tried, paid, ended_well, success, moves)
+        return Sampled(tried, paid, ended_well, success, moves)
 
     def acting(self, choices: Ints) -> Act:
         """A policy of choices, of the states that were met when it is made; elsewhere it acts at random."""
@@ -150,21 +145,16 @@ class Counts:
 
         return act
 
-    def explore(self, draw: Draw, until: int) -> None:
-        """Go to what was tried too seldom until there is none, or the world has taken so many steps.
-
-        Args:
-            draw: Draws the seed of a reset.
-            until: Steps of the world.
-        """
-        self.play(draw(), self._seeking(np.zeros(0, np.int64)))
+    def explore(self, until: int) -> None:
+        """Go to what was tried too seldom until there is none, or the world has taken so many steps."""
+        self.play(self._seeking(np.zeros(0, np.int64)))
         news = -1
         while self.world.taken < until and news < self.news and self.is_table:
             means, news = self.means(), self.news
             seldom = np.where(means.tried < KNOWN, 1.0, 0.0)
             plan = means.choices(seldom, CURIOUS, seldom >= 0.0)
             for _ in range(LOOKS):
-                self.play(draw(), self._seeking(plan))
+                self.play(self._seeking(plan))
 
     def _seeking(self, plan: Ints) -> Act:
         """A policy that tries what was tried too seldom wherever it is, and follows a plan to such places."""
@@ -197,25 +187,24 @@ class Counts:
         return list({it.tobytes(): it for it in found}.values())
 
 
-def sample_tables(world: World, draw: Draw, budget: int, rng: Rng) -> list[Data]:
+def sample_tables(world: World, budget: int, rng: Rng) -> list[Data]:
     """Policies, as plain data, for a world where chance decides; none if it is no table.
 
     Args:
         world: Where.
-        draw: Draws the seed of a reset.
         budget: About so many steps are taken.
-        rng: Draws actions where nothing is known.
+        rng: Draws starts, and actions where nothing is known.
     """
     if not isinstance(world.space, Discrete) or world.space.n > MOST_ACTIONS:
         return []
     counts, begun = Counts(world, world.space, rng), world.taken
-    counts.explore(draw, begun + int(EXPLORED * budget))
+    counts.explore(begun + int(EXPLORED * budget))
     for part in range(ROUNDS, 0, -1):
         found = [counts.acting(choices) for choices in counts.policies()] if counts.is_table else []
         share = (begun + budget - world.taken) // (part * world.horizon)
         for _ in range(min(EACH, share // max(1, len(found)))):
             for act in found:
-                counts.play(draw(), act)
+                counts.play(act)
     if not counts.is_table:
         return []
     keys = list(counts.states)

@@ -6,7 +6,7 @@ Only ``reset(seed)`` and ``step`` are used. A table is believed if whatever was 
 import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -74,24 +74,24 @@ class Learner:
     """What is known of a table while it is learnt.
 
     Attributes:
-        horizon: The most steps of an episode.
-        space: Of actions; they are counted from 0 here.
+        world: Where.
+        space: Of its actions; they are counted from 0 here.
         rng: Draws actions where nothing is left to be tried.
-        states: By what is observed, the number of a state.
-        leads: Of each state, by action, the next state; -1 where the episode ends. Filled while an episode goes on.
-        known: By state and action, what it paid and whether it was a success. Filled after an episode.
-        begins: By start, the state that it begins in.
         is_timed: Whether a state is what is observed and when, rather than what is observed.
     """
 
-    horizon: int
+    world: World
     space: Discrete
     rng: Rng
-    is_timed: bool = False
-    states: dict[str, int] = field(default_factory=dict)
-    leads: list[dict[int, int]] = field(default_factory=list)
-    known: dict[tuple[int, int], tuple[float, bool]] = field(default_factory=dict)
-    begins: dict[int, int] = field(default_factory=dict)
+    is_timed: bool
+
+    def __post_init__(self) -> None:
+        self.states: dict[str, int] = {}  # by what is observed, the number of a state
+        # of each state, by action, the next state; -1 where the episode ends; filled while an episode goes on
+        self.leads: list[dict[int, int]] = []
+        # by state and action, what it paid and whether it was a success; filled after an episode
+        self.known: dict[tuple[int, int], tuple[float, bool]] = {}
+        self.begins: dict[int, int] = {}  # by start, the state that it begins in
 
     def state_of(self, observed: Any, step: int) -> int:
         """The number of a state; one that was never met gets the next number."""
@@ -131,7 +131,7 @@ class Learner:
             if taken:
                 self.leads[last[0]].setdefault(last[1], state)
             if not planned and not is_done:
-                planned = self.plan(state, self.horizon - taken)
+                planned = self.plan(state, self.world.horizon - taken)
                 is_done = not planned
             taken += 1
             last = state, planned.pop(0) if planned else int(self.rng.integers(self.space.n))
@@ -139,18 +139,19 @@ class Learner:
 
         return act
 
-    def learn(self, shown: Shown) -> None:
-        """Take in an episode.
+    def play(self, start: int, act: Act) -> None:
+        """Play an episode of a policy, and learn from it.
 
         Raises:
             ContradictionError: It is at odds with what was known.
             NoTableError: States are too many, or hardly any is met again.
         """
+        shown, horizon = self.world.watch(start, act), self.world.horizon
         states = [self.state_of(observed, step) for step, observed in enumerate(shown.observed)]
-        agrees = self.begins.setdefault(shown.start, states[0]) == states[0]
+        agrees = self.begins.setdefault(start, states[0]) == states[0]
         for step, action in enumerate((shown.actions - self.space.start).tolist()):
             state, paid, success = states[step], float(shown.paid[step]), bool(shown.success[step])
-            after = -1 if ends(shown, step, self.horizon) else states[step + 1]
+            after = -1 if ends(shown, step, horizon) else states[step + 1]
             before = self.known.setdefault((state, action), (paid, success))
             agrees &= self.leads[state].setdefault(action, after) == after
             agrees &= success == before[1] and math.isclose(paid, before[0], rel_tol=CLOSE, abs_tol=CLOSE)
@@ -158,11 +159,28 @@ class Learner:
             raise ContradictionError
         tried = len(self.known)
         seldom_again = not self.is_timed and tried > ENOUGH and len(self.leads) > MOST_NEW * tried
-        if seldom_again or len(self.leads) * self.horizon > MOST_CELLS:
+        if seldom_again or len(self.leads) * horizon > MOST_CELLS:
             raise NoTableError
 
-    def table(self) -> Table:
-        """What is known, as arrays."""
+    def table(self, starts: Sequence[int], until: int) -> Table:
+        """That of some starts, after as many random steps again were asked whether they agree with what was learnt.
+
+        Raises:
+            ContradictionError: They do not.
+            NoTableError: It is not learnt before the world has taken `until` steps.
+        """
+        world = self.world
+        begun = world.taken
+        for start in starts:
+            self.play(start, self.explore())
+            while self.plan(self.begins[start], world.horizon):
+                if world.taken > until:
+                    raise NoTableError
+                self.play(start, self.explore())
+        checked, first = min(2 * world.taken - begun, until), int(self.space.start)
+        while world.taken < checked:
+            for start in starts:
+                self.play(start, lambda observed: first + int(self.rng.integers(self.space.n)))
         shape = len(self.leads), int(self.space.n)
         after, paid, success = np.full(shape, -1), np.full(shape, -np.inf), np.zeros(shape, bool)
         for (state, action), told in self.known.items():
@@ -190,9 +208,7 @@ def learn_tables(world: World, starts: Sequence[int], budget: int, rng: Rng) -> 
             return {}  # of a seed, even what chance brings is a matter of time
         for groups in ([starts], [[start] for start in starts]):
             try:
-                learnt = [
-                    _learnt(world, of, Learner(world.horizon, world.space, rng, is_timed), until) for of in groups
-                ]
+                learnt = [Learner(world, world.space, rng, is_timed).table(of, until) for of in groups]
             except ContradictionError:
                 continue
             except NoTableError:
@@ -224,27 +240,6 @@ def decides_by_chance(world: World, budget: int, rng: Rng) -> bool:
         if met.setdefault(key_of(shown.observed[0]), went) != went:
             return True
     return False
-
-
-def _learnt(world: World, starts: Sequence[int], learner: Learner, until: int) -> Table:
-    """The table of some starts. After it is learnt, as many random steps again are asked whether they agree with it.
-
-    Raises:
-        ContradictionError: They do not.
-        NoTableError: It is not learnt before the world has taken `until` steps.
-    """
-    begun = world.taken
-    for start in starts:
-        learner.learn(world.watch(start, learner.explore()))
-        while learner.plan(learner.begins[start], world.horizon):
-            if world.taken > until:
-                raise NoTableError
-            learner.learn(world.watch(start, learner.explore()))
-    checked, first = min(2 * world.taken - begun, until), int(learner.space.start)
-    while world.taken < checked:
-        for start in starts:
-            learner.learn(world.watch(start, lambda observed: first + int(learner.rng.integers(learner.space.n))))
-    return learner.table()
 
 
 @dataclass(frozen=True, eq=False)
