@@ -11,7 +11,7 @@ from gymnasium.spaces import Discrete
 from harness.errors import UsageError, reason_of
 from harness.experiment.environments.spaces import rows_of
 from harness.log.log import ACTION, BEHAVIOUR, REWARD, SUCCESS, episode_rows
-from harness.policy import Policy, load_policy
+from harness.policy import load_policy
 from harness.record import POLICY, Store, read_recording
 from harness.record.folder import CARD, TRAINING_RECORDING
 from harness.record.recording.facts import facts_of
@@ -34,7 +34,7 @@ def policy_of(world: World, name: str, policy: Act) -> Beginning:
     noun = f"policies: {name!r}"
     if not callable(policy):
         raise UsageError(f"{noun} is {policy!r}: give a function from an observation to an action")
-    return Beginning(f"policy {name}", act=_checked(world, policy, noun))
+    return _checked(world, name, policy, noun)
 
 
 def policy_named(world: World, text: str) -> Beginning:
@@ -49,14 +49,14 @@ def policy_named(world: World, text: str) -> Beginning:
         function = getattr(import_file(file), name, None)  # type: ignore[arg-type] # a file was read
         if not callable(function):
             raise UsageError(f"--policy {text}: '{path}' has no function '{name}'")
-        return Beginning(f"policy {name}", act=_checked(world, function, f"--policy {text}"))
+        return _checked(world, name, function, f"--policy {text}")
     folder = next((it for it in (Path(text), Path(text) / POLICY) if (it / CARD).is_file()), None)
     if folder is None:
         raise UsageError(
             f"--policy {text}: write FILE.py:NAME for a function of an observation, or the folder of a policy or a cell"
         )
-    act = acting(world, load_policy(folder))
-    if refused := _why_not(world, act):
+    act, refused = _saved(world, folder)
+    if refused:
         raise UsageError(f"--policy {text} does not act in {world.name}: {refused}")
     return Beginning(f"policy {folder.name if folder.name != POLICY else folder.parent.name}", act=act)
 
@@ -76,8 +76,8 @@ def of_folder(world: World, folder: Path) -> tuple[list[Beginning], list[str]]:
         store = Store.open(folder)
         done = [cell for cell in store.read_plan().cells if store.examine(cell).status == "done"]
         for cell in done:
-            act = acting(world, load_policy(store.cell_folder(cell) / POLICY))
-            if why := _why_not(world, act):
+            act, why = _saved(world, store.cell_folder(cell) / POLICY)
+            if why:
                 refused[why] += 1
             else:
                 found.append(Beginning(f"policy trained with {cell.reward.label}, seed {cell.seed}", act=act))
@@ -99,13 +99,22 @@ def of_folder(world: World, folder: Path) -> tuple[list[Beginning], list[str]]:
     return found, [told] * bool(left_out)
 
 
-def acting(world: World, policy: Policy) -> Act:
-    """A saved policy as a function of one observation: the one action of each."""
-    rows = rows_of(world.observes)
-    return lambda seen: policy.act(rows.batch(seen))[0]
+def _saved(world: World, folder: Path) -> tuple[Act, str]:
+    """A saved policy as a function of one observation, and why it does not act in a world; empty if it does."""
+    policy, rows = load_policy(folder), rows_of(world.observes)
+
+    def act(observed: Any) -> Any:
+        return policy.act(rows.batch(observed))[0]
+
+    wanted = () if isinstance(world.space, Discrete) else world.space.shape
+    try:
+        shape = np.shape(act(world.observes.sample()))
+    except Exception as error:  # sizes that do not fit, in whatever numpy says of it
+        return act, reason_of(error)
+    return act, "" if shape == wanted else f"its actions have the shape {shape}, not {wanted}"
 
 
-def _checked(world: World, policy: Act, noun: str) -> Act:
+def _checked(world: World, name: str, policy: Act, noun: str) -> Beginning:
     """A policy that somebody wrote; what it does wrong is said to be its fault, and not the environment's."""
 
     def act(observed: Any) -> Any:
@@ -117,7 +126,7 @@ def _checked(world: World, policy: Act, noun: str) -> Act:
             return _fitting(world, action)
         raise UsageError(f"{noun} gives {action!r}, which is no action of {world.name}: {world.space}")
 
-    return act
+    return Beginning(f"policy {name}", act=act)
 
 
 def _fitting(world: World, action: Any) -> Any:
@@ -131,16 +140,6 @@ def _fitting(world: World, action: Any) -> Any:
     if not fits or (isinstance(space, Discrete) and not space.contains(int(taken.item()))):
         raise ValueError(f"{action!r} is not in {space}")
     return taken
-
-
-def _why_not(world: World, act: Act) -> str:
-    """Why a policy does not act in a world; empty if it does."""
-    try:
-        action = act(world.observes.sample())
-    except Exception as error:  # sizes that do not fit, in whatever numpy says of it
-        return reason_of(error)
-    wanted = () if isinstance(world.space, Discrete) else world.space.shape
-    return "" if np.shape(action) == wanted else f"its actions have the shape {np.shape(action)}, not {wanted}"
 
 
 def _of_recording(world: World, path: Path) -> list[Beginning]:

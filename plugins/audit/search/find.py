@@ -230,15 +230,12 @@ def _acting(
         rates: What chance decides, if it does.
         given: By what their behaviours are said to be made by, the policies that the search began from.
     """
-    acts = {
-        role: given.get(of.made_by) if of.policy is None else act_of(of.policy, world)
-        for role, of in behaviours.items()
-    }
-    return {
-        role: (act, rates["paid"].starts if rates else [behaviours[role].start])
-        for role, act in acts.items()
-        if act is not None
-    }
+    found = dict[Role, Acting]()
+    for role, of in behaviours.items():
+        act = given.get(of.made_by) if of.policy is None else act_of(of.policy, world)
+        if act is not None:
+            found[role] = act, rates["paid"].starts if rates else [of.start]
+    return found
 
 
 def _walks_in(world: World, searched: Searched) -> Walks:
@@ -249,7 +246,6 @@ def _walks_in(world: World, searched: Searched) -> Walks:
     if searched.rates is not None:
         starts = searched.rates["paid"].starts[:WATCHED]
 
-        @cache
         def of_policy(behaviour: Behaviour) -> list[Shown]:
             assert behaviour.policy is not None
             act = act_of(behaviour.policy, world)

@@ -13,13 +13,13 @@ from pydantic import Field, StringConstraints, with_config
 from harness.cli.runnable import usable
 from harness.env.ideal import IdealSimulator
 from harness.env.vector_env import World as Arm
-from harness.environment import AnyEnv, Environment
+from harness.environment import Environment
 from harness.experiment.environments.plan import columns_of, look_at
 from harness.experiment.provenance import describe_machine, versions_behind
 from harness.files.plain import Plain
 from harness.record.file_forms import EXACT, Chosen, Name
 from harness.recorder.column import source_of
-from harness.recorder.env_facts import Columns, versions_of
+from harness.recorder.env_facts import versions_of
 from harness.registry import Choice, Registry, choose, source_hash
 from harness.registry.spec import blamed_on
 from harness.robot.robot import load_robot
@@ -167,14 +167,11 @@ def world_at(place: Place, registry: Registry) -> World:
     chosen = place.reward
     if place.is_environment:
         environment: Environment = place.task.build(registry, "environments")
-
-        def columns(env: AnyEnv) -> Columns:
-            return columns_of(environment, env, registry, [chosen])
-
         with blamed_at(place, registry):
             return EnvironmentWorld(
-                environment.make, columns, place.name, chosen.label, place.gamma, place.success, place.horizon or None
-            )
+                environment.make, lambda env: columns_of(environment, env, registry, [chosen]), place.name,
+                chosen.label, place.gamma, place.success, place.horizon or None,
+            )  # fmt: skip
     return ArmWorld(arm_at(place, registry), place.name, chosen.label, place.gamma)
 
 
