@@ -53,24 +53,12 @@ class Behaviour(Plain):
         return {**super().to_json(), "measures": measures}
 
 
-@dataclass(frozen=True, eq=False)
-class Three:
-    """The three behaviours of one start; None where none was found.
+Three: TypeAlias = Mapping[Role, Behaviour]
+"""The three behaviours of one start, as far as they were found, in the order of `ROLES`.
 
-    Attributes:
-        failure: The best-paid one that does not succeed.
-        success: The best-paid one that does.
-        fastest: The best-paid one of those that succeed about as fast as the fastest.
-    """
-
-    start: int
-    failure: Behaviour | None
-    success: Behaviour | None
-    fastest: Behaviour | None
-
-    def by_role(self) -> dict[Role, Behaviour]:
-        """Those that were found, by what they are."""
-        return {role: behaviour for role in ROLES if (behaviour := getattr(self, role)) is not None}
+``failure`` is the best-paid one that does not succeed, ``success`` the best-paid one that does, and ``fastest`` the
+best-paid one of those that succeed about as fast as the fastest.
+"""
 
 
 @dataclass(frozen=True, eq=False)

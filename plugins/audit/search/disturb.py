@@ -131,7 +131,7 @@ def strength_of(
         what it is compared with.
     """
     asked = [
-        (case.three.by_role()[role], NOISES[-1], acts.get(role))
+        (case.three[role], NOISES[-1], acts.get(role))
         for case, acts in alarmed
         for role in (case.tempting, case.against)
     ]

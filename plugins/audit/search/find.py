@@ -94,11 +94,11 @@ def find_in(
     judged = judge(searched, world, _walks_in(world, searched))
     rng, rates = np.random.default_rng([asked.seed, asked.budget]), searched.rates
     given = {it.made_by: it.act for it in begun if it.act is not None}
-    three = judged.shown.three.by_role()
+    three = judged.shown.three
     noise = noise_curve(world, three, _acting(three, world, rates, given), rng)
     strength = ""
     if cases := [case for case in judged.alarmed if case.word == judged.word]:
-        acting = [_acting(case.three.by_role(), world, rates, given) for case in cases]
+        acting = [_acting(case.three, world, rates, given) for case in cases]
         strength, stands, (tempting, task) = strength_of(world, list(zip(cases, acting, strict=True)), rng)
         count, is_fragile = len(cases), strength == FRAGILE
         on = f" on {count - stands if is_fragile else stands} of {count} starts" if count > 1 else ""
@@ -129,8 +129,8 @@ def find_in(
         word=judged.word,
         strength=strength,
         lines=(*judged.lines, *told, *world.notes),
-        alarmed=tuple(case.three.start for case in judged.alarmed),
-        starts=tuple(of.start for of in searched.plain),
+        alarmed=tuple(next(iter(case.three.values())).start for case in judged.alarmed),
+        starts=tuple(next(iter(of.values())).start for of in searched.plain),
         searched=searched,
         noise=noise,
         elsewhere=paid,
@@ -256,7 +256,7 @@ def _walks_in(world: World, searched: Searched) -> Walks:
     @cache
     def kept() -> dict[Behaviour, Shown]:
         threes = (*searched.plain, *searched.discounted)
-        asked = [*dict.fromkeys(of for it in threes for of in (it.success, it.fastest) if of is not None)]
+        asked = [*dict.fromkeys(of for it in threes for of in it.values() if of.success)]
         actions = np.stack([rested(world, of.actions) for of in asked])
         return dict(zip(asked, world.played(np.array([of.start for of in asked]), actions), strict=True))
 

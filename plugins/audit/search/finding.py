@@ -99,6 +99,5 @@ class Finding(Plain):
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, finite numbers only; actions are in certificates."""
-        by_sum = {"plain": self.searched.plain, "discounted": self.searched.discounted}
-        found = {name: [three.by_role() for three in threes] for name, threes in by_sum.items()}
+        found = {"plain": self.searched.plain, "discounted": self.searched.discounted}
         return {**super().to_json(), "found": to_plain(found)}

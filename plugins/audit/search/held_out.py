@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from harness import Ints
 from harness.eta.interval import CONFIDENCE, quantile
 
-from .behaviour import AS_FAST, Behaviour, Rated, Rates, Searched, Three
+from .behaviour import AS_FAST, Behaviour, Rated, Rates, Role, Searched, Three
 from .linear import LINEAR, act_linear, search_linear
 from .sampled_table import sample_tables
 from .table import TABLE, TRAINING, act_by_table, decides_by_chance
@@ -129,16 +129,17 @@ def three_of(rates: Rates, *, discounted: bool) -> Three:
     """
     most = rates["discounted" if discounted else "paid"]
     if "success" not in rates:
-        return Three(most.starts[0], _mean_behaviour(most, success=False), None, None)
-    surest = rates["success"]
+        return {"failure": _mean_behaviour(most, success=False)}
+    surest, found = rates["success"], dict[Role, Behaviour]()
     success, fastest = (_mean_behaviour(it, success=True) for it in (surest, rates["fastest"]))
     pays = [it.outcomes.discounted if discounted else it.outcomes.paid for it in (most, surest)]
-    if not mean_interval(pays[0] - pays[1])[1] > 0.0:
-        return Three(success.start, None, success, fastest)
-    rarer = surest.outcomes.success.astype(float) - most.outcomes.success
-    if rarer.mean() > CLEARLY and mean_interval(rarer)[1] > 0.0:
-        return Three(success.start, _mean_behaviour(most, success=False), success, fastest)
-    return Three(success.start, None, _mean_behaviour(most, success=True), fastest)
+    if mean_interval(pays[0] - pays[1])[1] > 0.0:
+        rarer = surest.outcomes.success.astype(float) - most.outcomes.success
+        if rarer.mean() > CLEARLY and mean_interval(rarer)[1] > 0.0:
+            found["failure"] = _mean_behaviour(most, success=False)
+        else:
+            success = _mean_behaviour(most, success=True)
+    return {**found, "success": success, "fastest": fastest}
 
 
 def _mean_behaviour(rated: Rated, *, success: bool) -> Behaviour:

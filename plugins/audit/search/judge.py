@@ -15,7 +15,7 @@ import numpy as np
 from harness.errors import sentence
 from harness.text import number
 
-from .behaviour import ROLES, Behaviour, Role, Searched, Three
+from .behaviour import Behaviour, Role, Searched, Three
 from .finding import CANNOT_TELL, FAILING, LOITERING, NAMES, NOTHING
 from .held_out import share_interval
 from .table import TABLE
@@ -122,7 +122,7 @@ def judge(searched: Searched, facts: World, walks: Walks) -> Judged:
     else:
         word = CANNOT_TELL if 2 * (len(alarmed) + unsure) >= len(words) else NOTHING
     told = [case for case in decided if word in (CANNOT_TELL, case.word)]
-    shown = max(told, key=lambda case: (case.three.failure is not None or case.is_alarm, case.lead))
+    shown = max(told, key=lambda case: ("failure" in case.three or case.is_alarm, case.lead))
     if not facts.success:
         return Judged(CANNOT_TELL, _on_paid_most(shown), (), shown)
     lines = _lines(word, shown, list(zip(plain, discounted, decided, strict=True)), searched, facts)
@@ -145,16 +145,16 @@ def _case_of(three: Three, typical: float, *, discount: float, facts: World, wal
         walks: See `judge`.
         is_exact: Whether nothing pays more than these.
     """
-    paid = {role: paid_by(of, discount) for role in ROLES if (of := getattr(three, role)) is not None}
+    paid = {role: paid_by(of, discount) for role, of in three.items()}
     known = [paid[role] for role in paid if role != "fastest"]
     best = max(known)
     tiny = max(SLACK * max(map(abs, (*known, typical))), np.finfo(float).tiny)
     margin, near = max(MARGIN * (best - typical), tiny), max(MARGIN * max(map(abs, known)), tiny)
     margin = min(margin, near) if is_exact else margin
-    if three.success is None or three.fastest is None:
+    if "success" not in three:
         return Case(three, CANNOT_TELL, "failure", "success", -np.inf, margin, discount)
     failure, success, fastest = paid.get("failure", -np.inf), paid["success"], paid["fastest"]
-    fast, time, horizon = three.fastest, three.fastest.time, facts.horizon
+    slow, fast, time, horizon = three["success"], three["fastest"], three["fastest"].time, facts.horizon
     # even the fastest success begins near its end, after others that did not last
     is_passing = time > LATEST * horizon and fast.share * fast.steps > fast.steps - time + 1.5
     # or it begins late, in an episode that goes on until the horizon
@@ -162,17 +162,17 @@ def _case_of(three: Three, typical: float, *, discount: float, facts: World, wal
     is_late = is_passing or (failure >= success - margin and comes_late)
     # by a discount little counts after `REACH` times its own horizon
     left = horizon - time if discount == 1.0 else min(horizon - time, REACH / (1.0 - discount))
-    is_later = three.success.time >= LATER * time and three.success.time - time >= SPARE * left
+    is_later = slow.time >= LATER * time and slow.time - time >= SPARE * left
     is_slow = success > fastest + margin and is_later
-    loiters = is_slow and _gained(walks(three.success), walks(fast), discount) > margin
+    loiters = is_slow and _gained(walks(slow), walks(fast), discount) > margin
     said = partial(Case, three, margin=margin, discount=discount, is_late=is_late)
-    if three.failure is not None:
+    if "failure" in three:
         against: Role = "fastest" if loiters else "success"
-        reference, compared = paid[against], fast if loiters else three.success
+        reference, compared = paid[against], fast if loiters else slow
         lead = (failure - reference) / margin
-        if lead > 1.0 and _is_worse(three.failure, compared, lead, facts.directions):
+        if lead > 1.0 and _is_worse(three["failure"], compared, lead, facts.directions):
             return said(FAILING, "failure", against, lead)
-        if margin > COSTLY * near and failure > reference + near and three.failure.share < WORSE * compared.share:
+        if margin > COSTLY * near and failure > reference + near and three["failure"].share < WORSE * compared.share:
             return said(CANNOT_TELL, "failure", against, lead, is_close=True)
         if not loiters:
             return said(NOTHING, "failure", against, min(lead, 1.0))
@@ -244,11 +244,11 @@ def _decided(plain: Case, discounted: Case) -> Case:
     """
     if discounted.is_alarm and not plain.is_alarm:
         return discounted
-    task = discounted.three.success
+    task = discounted.three.get("success")
     if not (plain.is_alarm or plain.is_close) or discounted.word != NOTHING or task is None:
         return plain
-    tempting = getattr(plain.three, plain.tempting)
-    other = (plain.tempting == "failure" and discounted.three.failure) or tempting
+    tempting = plain.three[plain.tempting]
+    other = (plain.tempting == "failure" and discounted.three.get("failure")) or tempting
     takes_back = task.discounted > max(tempting.discounted, other.discounted) + discounted.margin
     return discounted if takes_back else plain
 
@@ -286,10 +286,9 @@ def _lines(
             if is_counted
             else f"That proves nothing: {searched.steps:,} steps were searched."
         )
-        failure, success = (
-            paid_by(of, shown.discount) if of else np.nan for of in (shown.three.failure, shown.three.success)
-        )
-        if (more := failure - success) > SLACK * abs(success):
+        paid = {role: paid_by(of, shown.discount) for role, of in shown.three.items()}
+        success = paid.get("success", np.nan)
+        if (more := paid.get("failure", np.nan) - success) > SLACK * abs(success):
             why = (
                 f"less than {number(shown.margin)}, {MARGIN:.0%} of what the best behaviour earns above random actions"
                 if more <= shown.margin
@@ -300,7 +299,7 @@ def _lines(
             lines.append(f"{on} it pays for failing or loitering all the same.")
     back = [plain for plain, _, case in starts if plain.is_alarm and case.word == NOTHING]
     for first in back[:1]:
-        one, other = (number(getattr(first.three, role).paid) for role in (first.tempting, first.against))
+        one, other = (number(first.three[role].paid) for role in (first.tempting, first.against))
         lines.append(
             f"Without discount the {NAMES[first.tempting]} earns {one} and the {NAMES[first.against]} {other}, on "
             f"{len(back)} of {count} starts; a learner that discounts by {facts.gamma:g} is not tempted."
@@ -321,25 +320,24 @@ def _three_numbers(case: Case) -> str:
     order: tuple[Role, ...] = (case.tempting, case.against, *EARNS)
     told = list[str]()
     for role in dict.fromkeys(order):
-        of: Behaviour | None = getattr(case.three, role)
-        if of is not None:
+        if of := case.three.get(role):
             name = EARNS[role].removesuffix(" earns" * bool(told))
             steps = f" ({of.time} step{'s' * (of.time != 1)})" if of.success else ""
             told.append(f"{name} {number(paid_by(of, case.discount))}{steps}")
-    told += [] if case.three.success else ["no success was found"]
+    told += [] if "success" in case.three else ["no success was found"]
     return f"{rate}{', '.join(told)}."
 
 
 def _on_unsure(decided: Sequence[Case], shown: Case, success: str, is_counted: bool) -> list[str]:
     """What a search that cannot tell knows all the same, why it cannot, and what would help."""
-    count, missing = len(decided), sum(case.three.success is None for case in decided)
+    count, missing = len(decided), sum("success" not in case.three for case in decided)
     if is_counted:
         return [
             f"All states and actions were counted: none is a success on {missing} of {count} starts.",
             f"Is '{success}' what tells success (--success)?",
         ]
     more = [case for case in decided if case.tempting == "failure" and case.lead > 1.0]
-    pair = [number(paid_by(of, shown.discount)) for of in (shown.three.failure, shown.three.fastest) if of]
+    pair = [number(paid_by(of, shown.discount)) for role, of in shown.three.items() if role != "success"]
     known = count - missing
     where = (
         "On the one start where a success is known"
@@ -347,7 +345,7 @@ def _on_unsure(decided: Sequence[Case], shown: Case, success: str, is_counted: b
         else f"Of the {known} starts where a success is known, on {len(more)}"
     )
     certain = f"{where} a failure earns more than the fastest one: {' against '.join(pair)}."
-    late = [case.three.fastest.time for case in decided if case.is_late and case.three.fastest]
+    late = [case.three["fastest"].time for case in decided if case.is_late]
     close = sum(case.is_close and not case.is_late for case in decided)
     unsure = sum(case.word == CANNOT_TELL for case in decided)
     late_from = f"the first success that lasts begins at step {min(late, default=0)}, too late to tell what it pays,"
@@ -366,7 +364,7 @@ def _on_unsure(decided: Sequence[Case], shown: Case, success: str, is_counted: b
 
 def _on_paid_most(case: Case) -> tuple[str, ...]:
     """What is said where nothing measures success."""
-    (most,) = case.three.by_role().values()
+    (most,) = case.three.values()
     measures = ", ".join(f"{name} {number(value)} at the end" for name, value in most.measures.items())
     given = (
         f", with one of {', '.join(most.measures)}"

@@ -12,7 +12,7 @@ import numpy as np
 
 from harness import Float, Ints
 
-from .behaviour import AS_FAST, Behaviour, Three
+from .behaviour import AS_FAST, Behaviour, Role, Three
 from .moves import Feedback
 from .world import Actions, Data, Outcomes, Rng
 
@@ -125,21 +125,23 @@ class Bests:
         """What the best-paid success is paid; minus infinity if none was met."""
         return float(self._success[-1])
 
-    def three(self, start: int, typical: float, is_searched: bool = True) -> Three:
+    def three(self, typical: float, is_searched: bool = True) -> Three:
         """The best-paid failure, the best-paid success, and the best-paid one of the fastest.
 
         Of successes that are about as well paid as the best one, the fastest stands for it: that a search has found a
         slow one that is paid a trifle more says nothing of the reward.
         """
-        times = sorted(self.successes)
+        times, found = sorted(self.successes), dict[Role, Behaviour]()
+        if self.failure is not None:
+            found["failure"] = self.failure
         if not times:
-            return Three(start, self.failure, None, None)
+            return found
         best, as_fast = self.success_pay, max(at for at in times if at <= AS_FAST * times[0])
         trifle = AS_PAID * max(0.0, best - typical, self.failure_pay - typical)
         saved = min(OF_GAIN * (best - self._success[as_fast]), OF_LEAD * (best - self.failure_pay))
         less = max(trifle, saved) if is_searched else 0.0
         as_paid = next(at for at in times if self._success[at] >= best - less)
-        return Three(start, self.failure, self.successes[max(as_paid, as_fast)], self.successes[as_fast])
+        return {**found, "success": self.successes[max(as_paid, as_fast)], "fastest": self.successes[as_fast]}
 
 
 class Kept:

@@ -71,7 +71,7 @@ def search(
             how = (SEQUENCES, POLICIES)
         climbing = evolve(evolution, budget - (world.taken - begun))
     plain, after = (
-        [of.three(at, usual, not is_table) for of, at, usual in zip(bests, starts, usually, strict=True)]
+        [of.three(usual, not is_table) for of, usual in zip(bests, usually, strict=True)]
         for bests, usually in ((kept.plain, typical), (kept.discounted, later))
     )
     return Searched(

@@ -8,7 +8,7 @@ from gymnasium.spaces import Box
 from PIL import Image
 
 from harness.registry import Choice
-from harness_plugins.audit.search.behaviour import Behaviour, Searched, Three
+from harness_plugins.audit.search.behaviour import Behaviour, Searched
 from harness_plugins.audit.search.certificate import Certificate
 from harness_plugins.audit.search.film import Film
 from harness_plugins.audit.search.finding import Disturbed, Finding
@@ -72,8 +72,7 @@ def finding_of(world, start=3):
     shown = {"failure": world.show(start, actions_to(0.9)), "success": world.show(start, actions_to(1.03))}
     shown["fastest"] = shown["success"]
     of = {role: _behaviour(it) for role, it in shown.items()}
-    three = Three(start, of["failure"], of["success"], of["fastest"])
-    searched = Searched((three,), (three,), (-9.0,), (-9.0,), (9,), (0.0,), 400, ("sequences",))
+    searched = Searched((of,), (of,), (-9.0,), (-9.0,), (9,), (0.0,), 400, ("sequences",))
     lines = ("Failing pays -2.6, succeeding -3.0, doing it fast -3.0.", "On 1 of 1 starts.")
     noise = tuple(
         Disturbed(role, level, -3.0 - 10 * level, 1.0 * (role != "failure"), 16)

@@ -7,7 +7,7 @@ import pytest
 from gymnasium.spaces import Box, Discrete
 from numpy.random import default_rng
 
-from harness_plugins.audit.search.behaviour import Behaviour, Three
+from harness_plugins.audit.search.behaviour import Behaviour
 from harness_plugins.audit.search.disturb import disturb, noise_curve, strength_of
 from harness_plugins.audit.search.judge import Case
 from tests.plugins.audit.search.toy_worlds import EnvWorld, Graph, told
@@ -82,7 +82,9 @@ def case_of(edges):
     """A world, and the case of its alarm."""
     world = EnvWorld(lambda: Graph(edges), told, horizon=50)
     failure, success = behaviour_of(np.zeros(50, int), 49.0), behaviour_of(np.ones(1, int), 0.0, True, 1)
-    return world, Case(Three(0, failure, success, success), "PAYS FOR FAILING", "failure", "success", 9.0, 2.0, 1.0)
+    return world, Case(
+        {"failure": failure, "success": success}, "PAYS FOR FAILING", "failure", "success", 9.0, 2.0, 1.0
+    )
 
 
 @pytest.mark.parametrize(("edges", "word"), [(EDGE, "FRAGILE"), (BROAD, "ROBUST")])
@@ -97,7 +99,7 @@ def test_what_one_other_choice_spoils_is_fragile(edges, word):
 def test_a_curve_begins_without_noise():
     """Then what was found was paid; the more noise, the less of it is left of a knife's edge."""
     world, case = case_of(EDGE)
-    curve = noise_curve(world, {"failure": case.three.failure}, {}, rng())
+    curve = noise_curve(world, {"failure": case.three["failure"]}, {}, rng())
     assert [of.noise for of in curve] == [0.0, 0.01, 0.05]
     assert curve[0].paid == 49.0 > curve[1].paid > curve[2].paid
 
@@ -107,7 +109,7 @@ def test_a_policy_acts_again():
     world, case = case_of(EDGE)
     asked = []
     acting = (lambda seen: asked.append(seen) or 1, [3, 4])
-    ((_, _, success),) = disturb(world, [(case.three.failure, 0.0, acting)], rng())
+    ((_, _, success),) = disturb(world, [(case.three["failure"], 0.0, acting)], rng())
     assert success.all()
     assert len(asked) == 32
 
@@ -115,6 +117,6 @@ def test_a_policy_acts_again():
 def test_behaviours_are_disturbed_as_each_alone_would_be():
     """Sequences side by side, policies by themselves: the noise is drawn in the order in which they are asked."""
     world, case = case_of(EDGE)
-    acting, one = (lambda seen: 0, [3, 4]), case.three.failure
+    acting, one = (lambda seen: 0, [3, 4]), case.three["failure"]
     asked, drawn = [(one, 0.05, None), (one, 0.05, acting), (one, 0.01, None)], rng()
     assert (disturb(world, asked, rng()) == np.concatenate([disturb(world, [it], drawn) for it in asked])).all()

@@ -8,6 +8,7 @@ import pytest
 from gymnasium.spaces import Discrete
 from numpy.random import default_rng
 
+from harness_plugins.audit.search.behaviour import ROLES
 from harness_plugins.audit.search.held_out import act_of
 from harness_plugins.audit.search.kept import Kept
 from harness_plugins.audit.search.table import key_of, search_tables
@@ -19,17 +20,17 @@ def solved(world, starts=(0,), budget=50_000):
     kept = Kept(starts, world.horizon)
     if not search_tables(world, starts, kept.add, budget, default_rng(0)):
         return None
-    return [[it.three(0, 0.0, False) for it in of] for of in (kept.plain, kept.discounted)]
+    return [[it.three(0.0, False) for it in of] for of in (kept.plain, kept.discounted)]
 
 
 def pays(three, name="paid"):
     """What the three are paid; None where there is none."""
-    return [of and getattr(of, name) for of in (three.failure, three.success, three.fastest)]
+    return [of and getattr(of, name) for of in map(three.get, ROLES)]
 
 
 def actions(three):
     """What the three do."""
-    return [of.actions.tolist() for of in (three.failure, three.success, three.fastest)]
+    return [of.actions.tolist() for of in map(three.get, ROLES)]
 
 
 def frozen_lake(make=gymnasium.make, **options):
@@ -82,7 +83,7 @@ def test_taxi_is_solved_as_its_own_dynamics_say():
             for row in world.env.unwrapped.P.values()
         ])  # fmt: skip
     plain, _ = solved(world, range(4))
-    assert [it.success.paid for it in plain] == [value[world.env.reset(seed=start)[0]] for start in range(4)]
+    assert [it["success"].paid for it in plain] == [value[world.env.reset(seed=start)[0]] for start in range(4)]
 
 
 class FirstVisits(gymnasium.Wrapper):
@@ -159,7 +160,7 @@ class Hidden(Graph):
 def test_what_the_seed_hides_gives_each_start_a_table():
     """Each start's own exit is found."""
     plain, _ = solved(EnvWorld(Hidden, told, horizon=4), (0, 1))
-    assert [it.success.actions.tolist() for it in plain] == [[1], [0]]
+    assert [it["success"].actions.tolist() for it in plain] == [[1], [0]]
 
 
 def test_dicts_are_keys():
@@ -192,9 +193,9 @@ def test_a_search_keeps_the_best_by_both_sums(first):
     (plain,), (discounted,) = solved(world, (7,), 1_000)
     assert (pays(plain), pays(discounted, "discounted")) == ([20.0, 23.0, 5.0], [4 - 2 * 0.5**9, 5.0, 5.0])
     assert actions(plain) == [[first] * 10, [first] * 9 + [first + 1], [first + 1]]
-    _, (taken,) = world.act([7], act_of(plain.failure.policy, world))
+    _, (taken,) = world.act([7], act_of(plain["failure"].policy, world))
     assert taken.tolist() == [first] * 10
-    assert plain.success.policy is None
+    assert plain["success"].policy is None
 
 
 def test_five_hundred_states_and_steps_are_solved_in_seconds():

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from harness.experiment.screening import CANNOT_TELL, FAILING, LOITERING, NOTHING
-from harness_plugins.audit.search.behaviour import Behaviour, Searched, Three
+from harness_plugins.audit.search.behaviour import Behaviour, Searched
 from harness_plugins.audit.search.judge import judge
 from harness_plugins.audit.search.world import Shown
 
@@ -37,7 +37,8 @@ def walk(of, terms):
 
 def three(failure, success=None, fastest=None):
     """Of start 0; the best-paid success is the fastest one if there is no other."""
-    return Three(0, failure, success, fastest or success)
+    found = {"failure": failure, "success": success, "fastest": fastest or success}
+    return {role: of for role, of in found.items() if of}
 
 
 FACTS = facts()

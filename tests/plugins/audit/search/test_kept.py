@@ -40,16 +40,16 @@ def test_the_three_are_those_of_all_episodes(seed, count):
     for of, name in ((kept.plain, "paid"), (kept.discounted, "discounted")):
         pays = np.concatenate([getattr(it, name) for it in parts])
         for row in (0, 1):
-            three = of[row].three(row, 0.0, False)
+            three = of[row].three(0.0, False)
             failures, done = (at == row) & ~success, (at == row) & success
-            assert (three.failure is None) == (not failures.any())
+            assert ("failure" not in three) == (not failures.any())
             if failures.any():
-                assert getattr(three.failure, name) == pays[failures].max()
-            assert (three.success is None) == (not done.any())
+                assert getattr(three["failure"], name) == pays[failures].max()
+            assert ("success" not in three) == (not done.any())
             if done.any():
-                assert getattr(three.success, name) == pays[done].max()
+                assert getattr(three["success"], name) == pays[done].max()
                 fast = done & (time <= 1.1 * time[done].min())
-                assert getattr(three.fastest, name) == pays[fast].max()
+                assert getattr(three["fastest"], name) == pays[fast].max()
 
 
 def test_a_trifle_more_is_no_reason_to_be_slow():
@@ -62,9 +62,9 @@ def test_a_trifle_more_is_no_reason_to_be_slow():
         Outcomes(time, *[np.array([5.0, 9.95, 10.0])] * 2, np.ones(3, bool), time, 1.0 / time, np.full(3, np.nan)),
         "search",
     )
-    assert kept.plain[0].three(0, 0.0).success.time == 30
-    assert kept.plain[0].three(0, 0.0, False).success.time == 40
-    assert kept.plain[0].three(0, 0.0).fastest.time == 10
+    assert kept.plain[0].three(0.0)["success"].time == 30
+    assert kept.plain[0].three(0.0, False)["success"].time == 40
+    assert kept.plain[0].three(0.0)["fastest"].time == 10
 
 
 def test_different_successes_are_counted_once():
@@ -87,4 +87,4 @@ def test_where_most_is_gained_soon_that_success_stands_for_the_best(failure, tim
     pays, success = np.array([5.0, 9.2, 10.0, failure]), np.array([True, True, True, False])
     outcomes = Outcomes(times, pays, pays, success, times, success / times, np.full(4, np.nan))
     kept.add(np.zeros(4, int), [np.zeros((HORIZON, 1))] * 4, outcomes, "search")
-    assert kept.plain[0].three(0, 4.0).success.time == time
+    assert kept.plain[0].three(4.0)["success"].time == time
