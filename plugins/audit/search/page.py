@@ -40,8 +40,6 @@ EXPLANATION = (
 NONE: Float = np.zeros(0)
 Shown: TypeAlias = Mapping[str, Certificate]
 """The behaviours of one reward, by what they are called."""
-Figure: TypeAlias = tuple[str, str]
-"""What a chart shows, and its SVG."""
 
 
 def cheats_page(
@@ -147,47 +145,41 @@ def _last(it: Certificate, name: str) -> str:
     return "n/a" if values is None or np.isnan(values[-1]) else number(float(values[-1]))
 
 
-def _figures(shown: Shown) -> Iterator[Figure]:
-    """Pay over time, some measures over time, and pay under noise."""
+def _figures(shown: Shown) -> Iterator[tuple[str, str]]:
+    """What each chart shows, and its SVG: pay over time, some measures over time, and pay under noise.
+
+    A chart has a line of each behaviour, and a dot at its end or at each of its points.
+    """
     names = dict.fromkeys(name for it in shown.values() for name in it.shown.measures)
     measured = {name: {title: it.shown.measures.get(name, NONE) for title, it in shown.items()} for name in names}
     told = {name: np.concatenate([*values.values()]) for name, values in measured.items()}
     count = {name: len(np.unique(values[np.isfinite(values)])) for name, values in told.items()}
     drawn = [name for name in names if count[name] > 2] or [name for name in names if count[name] == 2]  # or flags
     paid = {title: sums_so_far(it.shown.paid) for title, it in shown.items()}
+    charts = list[tuple[Any, ...]]()
     for title, curves in (("Paid so far", paid), *((name, measured[name]) for name in drawn[:MEASURES])):
-        first, lines = int(curves is not paid), dict[str, tuple[list[float], list[float]]]()
-        for name, values in curves.items():
-            points = select_points(np.nan_to_num(values))
-            lines[name] = (points + first).tolist(), values[points].tolist()
-        yield _figure(title, f"{title} at each step", "step", visible(title), lines, shown, slice(-1, None))
+        points = {name: select_points(np.nan_to_num(values)) for name, values in curves.items()}
+        lines = [
+            (name, (at + int(curves is not paid)).tolist(), curves[name][at].tolist()) for name, at in points.items()
+        ]
+        charts.append((title, f"{title} at each step", "step", visible(title), lines, slice(-1, None)))
     if any(it.noise for it in shown.values()):
-        lines = {
-            title: ([row["noise"] for row in it.noise], [row["paid"] for row in it.noise])
-            for title, it in shown.items()
-        }
-        heading, across = "Paid while actions are disturbed", "noise of actions, as a share of half their range"
-        yield _figure(heading, "Pay over the noise of actions", across, "paid", lines, shown, slice(None))
-
-
-def _figure(
-    heading: str,
-    told: str,
-    across: str,
-    upwards: str,
-    lines: Mapping[str, tuple[list[float], list[float]]],
-    shown: Shown,
-    dotted: slice,
-) -> Figure:
-    """A line of each behaviour, and dots at some of its points."""
-    marks: list[Line | Dots] = []
-    for name, (x, y) in lines.items():
-        role = shown[name].role
-        if x:
-            marks.append(Line(x, y, COLOURS[role], name, dash=DASHES[role], in_legend=True))
-        if x and np.isfinite(y[-1]):
-            marks.append(Dots(x[dotted], y[dotted], COLOURS[role], (name,) * len(x[dotted])))
-    return heading, draw_chart(chart_of(marks, across, upwards), told)
+        across = "noise of actions, as a share of half their range"
+        lines = [
+            (name, [row["noise"] for row in it.noise], [row["paid"] for row in it.noise]) for name, it in shown.items()
+        ]
+        charts.append(
+            ("Paid while actions are disturbed", "Pay over the noise of actions", across, "paid", lines, slice(None))
+        )
+    for heading, said, across, upwards, lines, dotted in charts:
+        marks: list[Line | Dots] = []
+        for name, x, y in lines:
+            role = shown[name].role
+            if x:
+                marks.append(Line(x, y, COLOURS[role], name, dash=DASHES[role], in_legend=True))
+            if x and np.isfinite(y[-1]):
+                marks.append(Dots(x[dotted], y[dotted], COLOURS[role], (name,) * len(x[dotted])))
+        yield heading, draw_chart(chart_of(marks, across, upwards), said)
 
 
 def _films(shown: Shown) -> dict[str, Any] | None:

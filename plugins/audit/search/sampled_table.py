@@ -3,7 +3,7 @@
 from collections import Counter, defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Discrete
@@ -11,7 +11,7 @@ from gymnasium.spaces import Discrete
 from harness import Float, Ints, Mask
 from harness.log.log import episode_sum
 
-from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, TRAINING, ends, table_policy
+from .table import ENOUGH, MOST_ACTIONS, MOST_NEW, TRAINING, Pair, table_policy, transitions
 from .world import Act, Data, Rng, World, key_of
 
 MOST_STATES = 20_000
@@ -30,8 +30,6 @@ HASTES = (0.9, 0.97)
 EXPLORED, ROUNDS, EACH = 0.6, 4, 25
 """The share of the steps that may go to what was tried too seldom; in the rest policies are solved anew so often, and
 played in so many episodes each at most."""
-Pair: TypeAlias = tuple[int, int]
-"""A state and an action."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,15 +95,13 @@ class Counts:
         shown = self.world.watch(int(self.rng.integers(*TRAINING)), act)
         self._longest = max(self._longest, len(shown.actions))
         states = [self.states.setdefault(key_of(it), len(self.states)) for it in shown.observed]
-        for step, action in enumerate((shown.actions - self.space.start).tolist()):
-            at = states[step], action
+        for at, after, paid, success in transitions(shown, states, self.space, self._longest):
             self.tried[at] += 1
             self.news += self.tried[at] <= KNOWN
-            self.paid[at] += float(shown.paid[step])
-            end = ends(shown, step, self._longest)
-            (self.ended_well if end else self.success)[at] += bool(shown.success[step])
-            if not end:
-                self.moves[*at, states[step + 1]] += 1
+            self.paid[at] += paid
+            (self.ended_well if after < 0 else self.success)[at] += success
+            if after >= 0:
+                self.moves[*at, after] += 1
         self._returns.append(episode_sum(shown.paid))
 
     @property

@@ -5,7 +5,7 @@ Only ``reset(seed)`` and ``step`` are used. A table is believed if whatever was 
 
 import math
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -38,6 +38,8 @@ RESETS = 32
 """So many starts are looked at to find two that begin alike."""
 
 
+Pair: TypeAlias = tuple[int, int]
+"""A state and an action."""
 Keep: TypeAlias = Callable[[Ints, Sequence[Actions], Outcomes, str, Sequence[Data | None]], object]
 """Takes in episodes: their starts as places in the starts of a search, actions, outcomes, what made them, policies."""
 
@@ -90,7 +92,7 @@ class Learner:
         # of each state, by action, the next state; -1 where the episode ends; filled while an episode goes on
         self.leads: list[dict[int, int]] = []
         # by state and action, what it paid and whether it was a success; filled after an episode
-        self.known: dict[tuple[int, int], tuple[float, bool]] = {}
+        self.known: dict[Pair, tuple[float, bool]] = {}
         self.begins: dict[int, int] = {}  # by start, the state that it begins in
 
     def state_of(self, observed: Any, step: int) -> int:
@@ -149,11 +151,9 @@ class Learner:
         shown, horizon = self.world.watch(start, act), self.world.horizon
         states = [self.state_of(observed, step) for step, observed in enumerate(shown.observed)]
         agrees = self.begins.setdefault(start, states[0]) == states[0]
-        for step, action in enumerate((shown.actions - self.space.start).tolist()):
-            state, paid, success = states[step], float(shown.paid[step]), bool(shown.success[step])
-            after = -1 if ends(shown, step, horizon) else states[step + 1]
-            before = self.known.setdefault((state, action), (paid, success))
-            agrees &= self.leads[state].setdefault(action, after) == after
+        for at, after, paid, success in transitions(shown, states, self.space, horizon):
+            before = self.known.setdefault(at, (paid, success))
+            agrees &= self.leads[at[0]].setdefault(at[1], after) == after
             agrees &= success == before[1] and math.isclose(paid, before[0], rel_tol=CLOSE, abs_tol=CLOSE)
         if not agrees:
             raise ContradictionError
@@ -189,9 +189,17 @@ class Learner:
         return Table([] if self.is_timed else list(self.states), self.begins, after, paid, success)
 
 
-def ends(shown: Shown, step: int, horizon: int) -> bool:
-    """Whether a step ended the episode by itself; the horizon is no end of a table."""
-    return step == len(shown.actions) - 1 and (shown.ended == "terminated" or step + 1 < horizon)
+def transitions(
+    shown: Shown, states: Sequence[int], space: Discrete, horizon: int
+) -> Iterator[tuple[Pair, int, float, bool]]:
+    """Of each step of an episode, the state and the action, the state after it, what it paid, whether it was a success.
+
+    Instead of a state there is -1 where the step ended the episode by itself; the horizon is no end of a table.
+    """
+    for step, action in enumerate((shown.actions - space.start).tolist()):
+        is_end = step == len(shown.actions) - 1 and (shown.ended == "terminated" or step + 1 < horizon)
+        after = -1 if is_end else states[step + 1]
+        yield (states[step], action), after, float(shown.paid[step]), bool(shown.success[step])
 
 
 def learn_tables(world: World, starts: Sequence[int], budget: int, rng: Rng) -> dict[int, Table]:
