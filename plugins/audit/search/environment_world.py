@@ -171,10 +171,25 @@ class EnvironmentWorld(World):
             taken = taken.item()
         action = self._coded.decoded(taken)
         observation, pays, terminated, truncated, self._info = self._env.step(action)
-        ends = bool(terminated), bool(truncated)
-        kept, paid, told = self._tell(action, observation, pays, self._info, ends)
+        # a copy of the observation; what the reward pays for the step, followed by its terms; what measures tell
+        seal, (start, steps) = self._guard.seal, self._place
+        kept, self._place = seal(observation), (start, steps + 1)
+        forms: tuple[Any, ...] = ()
+        answers: Iterator[Any] = iter(())
+        if self._functions:
+            (seen, last, told), given = self._before, (self._before[0], seal(action), kept, seal(self._info))
+            forms = (given, ())
+            if any(self._of_step):
+                before = Before._make((seen, last if steps else zeros_of(given[1]), told))
+                forms = given, (Now._make((kept, given[1], given[3], bool(terminated), bool(truncated), before)),)
+            asking = [forms[of_step] for of_step in self._of_step]
+            is_watched = any(it.is_watched for it in self._asked)
+            answers = iter(self._guard.ask(self._functions, asking, is_watched=is_watched))
+            self._drew, self._before = self._drew or bool(self._guard.drew), (kept, given[1], given[3])
+        values = [next(answers) if it.measures else pays for it in self._asked]
+        paid, *measured = (self._numbers(*it, forms) for it in zip(self._asked, values, strict=True))
         ended = {0: "terminated" if terminated else "truncated"} if terminated or truncated else {}
-        return Step([taken], [observation], [kept], [paid], [told], ended)
+        return Step([taken], [observation], [kept], [paid], [[it[0] for it in measured]], ended)
 
     def _own_limit(self, tried: Sequence[Shown]) -> int:
         """After how many steps an env ends episodes that says so nowhere; 0 where none tells.
@@ -216,29 +231,7 @@ class EnvironmentWorld(World):
         self._ask(self._env)
         return (f"No measure says what success is: {key} is taken, which the environment tells in info.",)
 
-    def _tell(
-        self, action: Any, observation: Any, pays: Any, info: Any, ends: tuple[bool, bool]
-    ) -> tuple[Any, list[float], list[float]]:
-        """A copy of the observation; what the reward pays for the step, followed by its terms; what measures tell."""
-        seal, (start, step) = self._guard.seal, self._place
-        kept, self._place = seal(observation), (start, step + 1)
-        forms: tuple[Any, ...] = ()
-        answers: Iterator[Any] = iter(())
-        if self._functions:
-            (seen, last, told), given = self._before, (self._before[0], seal(action), kept, seal(info))
-            forms = (given, ())
-            if any(self._of_step):
-                before = Before._make((seen, last if step else zeros_of(given[1]), told))
-                forms = given, (Now._make((kept, given[1], given[3], *ends, before)),)
-            asking = [forms[of_step] for of_step in self._of_step]
-            is_watched = any(it.is_watched for it in self._asked)
-            answers = iter(self._guard.ask(self._functions, asking, is_watched=is_watched))
-            self._drew, self._before = self._drew or bool(self._guard.drew), (kept, given[1], given[3])
-        values = [next(answers) if it.measures else pays for it in self._asked]
-        numbers = [self._numbers(*it, info, forms) for it in zip(self._asked, values, strict=True)]
-        return kept, numbers[0], [it[0] for it in numbers[1:]]
-
-    def _numbers(self, column: Column, value: Any, info: Any, forms: tuple[Any, ...]) -> list[float]:
+    def _numbers(self, column: Column, value: Any, forms: tuple[Any, ...]) -> list[float]:
         """The number of a column, followed by a reward's terms; NaN for a measure that info does not tell."""
         key = column.key
         if key is None and type(value) is float and isfinite(value) and not column.terms:  # mostly a call less
@@ -247,7 +240,7 @@ class EnvironmentWorld(World):
         try:
             if error is None:
                 if key is not None:
-                    value = told_under(info, key)
+                    value = told_under(self._info, key)
                 return column.numbers(value)
         except Exception as raised:  # whatever rewards of users return
             error = raised

@@ -1,6 +1,5 @@
 """Where chance decides: policies, and what they come to from starts that no search has played."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -80,7 +79,17 @@ def search_by_chance(world: World, starts: Ints, budget: int, rng: Rng) -> Searc
     policies.append({"kind": "random", "seed": int(rng.integers(2**31))})
     training = rng.integers(*TRAINING, _episodes(choose, len(policies), world))
     tried = [_rated(world, policy, training) for policy in policies]
-    roles, held_out = _roles(tried), rng.integers(*HELD_OUT, _episodes(rate, 5, world))
+    most = max(it.outcomes.success.mean() for it in tried)
+    good = [it for it in tried if it.outcomes.success.mean() >= max(most - CLEARLY, most / 2)] if most else []
+    times = [it.outcomes.time[it.outcomes.success].mean() for it in good]
+    fast = [it for it, time in zip(good, times, strict=True) if time <= AS_FAST * min(times)]
+
+    def best(of: list[Rated], pays: str = "paid") -> Rated:
+        return max(of, key=lambda it: float(getattr(it.outcomes, pays).mean()))
+
+    succeeding = {"success": best(good), "fastest": best(fast)} if good else {}
+    roles = {"paid": best(tried), "discounted": best(tried, "discounted"), **succeeding, "random": tried[-1]}
+    held_out = rng.integers(*HELD_OUT, _episodes(rate, 5, world))
     again = {id(it): _rated(world, it.policy, held_out) for it in roles.values()}
     rates = {role: again[id(it)] for role, it in roles.items()}
     return Searched(
@@ -103,21 +112,6 @@ def _episodes(budget: int, policies: int, world: World) -> int:
 def _rated(world: World, policy: Data, starts: Ints) -> Rated:
     outcomes, actions = world.act(starts, act_of(policy, world))
     return Rated(policy, starts.tolist(), outcomes, actions[0])
-
-
-def _roles(tried: Sequence[Rated]) -> Rates:
-    """The roles of `Rates`, chosen among policies; the last one acts at random."""
-    rate = max(it.outcomes.success.mean() for it in tried)
-    good = [it for it in tried if it.outcomes.success.mean() >= max(rate - CLEARLY, rate / 2)] if rate else []
-    times = [it.outcomes.time[it.outcomes.success].mean() for it in good]
-    fast = [it for it, time in zip(good, times, strict=True) if time <= AS_FAST * min(times)]
-
-    def best(of: Sequence[Rated], pays: str = "paid") -> Rated | None:
-        return max(of, key=lambda it: float(getattr(it.outcomes, pays).mean()), default=None)
-
-    most = best(tried), best(tried, "discounted"), best(good), best(fast), tried[-1]
-    roles = zip(("paid", "discounted", "success", "fastest", "random"), most, strict=True)
-    return {role: it for role, it in roles if it is not None}
 
 
 def three_of(rates: Rates, *, discounted: bool) -> Three:

@@ -8,10 +8,8 @@ alone, so that a failure is not called better paid only because successes were s
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness import Float, Ints, Mask
 from harness.experiment.environments.spaces import rows_of
@@ -159,7 +157,16 @@ class Evolution:
         rates = self._useful[0] / self._useful[1]
         chances = 0.4 / len(rates) + 0.6 * rates / rates.sum()
         chosen = np.where(is_free, -1, rng.choice(len(rates), len(rows), p=chances))
-        genes = self._mutated(first, second, chosen)
+        # each child by its mutation and a quarter of them by a second one; those without any are as their parent is
+        genes = np.stack([it.genes for it in first])
+        twice = (chosen >= 0) & (rng.random(len(genes)) < TWICE)
+        again = rng.integers(len(self._mutations), size=len(genes))
+        for wanted in (chosen, np.where(twice, again, -1)):
+            for which, mutation in enumerate(self._mutations):
+                if at := np.flatnonzero(wanted == which).tolist():
+                    lengths, others = np.array([first[k].length for k in at]), [second[k] for k in at]
+                    parts, other_lengths = np.stack([it.genes for it in others]), np.array([it.length for it in others])
+                    genes[at] = mutation(Pairs(self._moves, rng, genes[at], lengths, parts, other_lengths))
         rates = self._held[0] / self._held[1]
         share = float(np.clip(rates[0] / rates.sum(), 0.1, 0.6)) if len(self._spread) else 0.0
         holding = rng.random(len(rows)) < share
@@ -229,28 +236,6 @@ class Evolution:
                 for k, way in zip(these, archive.draw(rng, len(these)), strict=True):
                     second[k] = way
         return first, second, [able[name] in (CELLS, FRESH) for name in names]
-
-    def _mutated(self, first: Sequence[Way], second: Sequence[Way], chosen: NDArray[Any]) -> Actions:
-        """Children, each by its mutation and a quarter of them by a second one; those without any are as they are."""
-        genes = np.stack([it.genes for it in first])
-        twice = (chosen >= 0) & (self.rng.random(len(genes)) < TWICE)
-        again = self.rng.integers(len(self._mutations), size=len(genes))
-        for wanted in (chosen, np.where(twice, again, -1)):
-            for which, mutation in enumerate(self._mutations):
-                these = np.flatnonzero(wanted == which).tolist()
-                if these:
-                    others = [second[k] for k in these]
-                    genes[these] = mutation(
-                        Pairs(
-                            self._moves,
-                            self.rng,
-                            genes[these],
-                            np.array([first[k].length for k in these]),
-                            np.stack([it.genes for it in others]),
-                            np.array([it.length for it in others]),
-                        )
-                    )
-        return genes
 
     def _file(
         self, rows: Ints, genes: Sequence[Actions] | Actions, outcomes: Outcomes, holds: Sequence[Feedback | None]
