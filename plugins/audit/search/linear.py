@@ -7,6 +7,7 @@ the box. The same policy is played from all starts at once.
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -63,25 +64,36 @@ def act_linear(policy: Data, world: World) -> Act:
     return act
 
 
+GOALS = {
+    PAY: "paid discounted",
+    "success": "success share near paid",  # by whatever tells it
+    "paid success": "success paid",
+    "longer": "steps paid",
+    "paid failure": "-success paid",
+    "soon": "success -time paid",
+    "discounted pay": "discounted paid",
+    "shorter": "-steps paid",
+    "less pay": "-paid",
+}
+"""What evolutions are after anywhere: numbers of `Outcomes`, with a minus those of which less is better."""
+
+
+def _numbers(names: str, outcomes: Outcomes) -> tuple[NDArray[Any], ...]:
+    return tuple(
+        np.nan_to_num(getattr(outcomes, name.removeprefix("-"))) * (-1 if name.startswith("-") else 1)
+        for name in names.split()
+    )
+
+
 def goals_of(world: World, outcomes: Outcomes) -> dict[str, Goal]:
-    """By name, what evolutions are after: pay, with success and without, success by whatever tells it, both lengths.
+    """By name, what evolutions are after in a world.
 
     Args:
         world: Where.
         outcomes: Some that were met there: their measures are goals too, in the direction that the world knows or else
             in both.
     """
-    goals: dict[str, Goal] = {
-        PAY: lambda it: (it.paid, it.discounted),
-        "success": lambda it: (it.success, it.share, np.nan_to_num(it.near, nan=0.0), it.paid),
-        "paid success": lambda it: (it.success, it.paid),
-        "longer": lambda it: (it.steps, it.paid),
-        "paid failure": lambda it: (~it.success, it.paid),
-        "soon": lambda it: (it.success, -it.time, it.paid),
-        "discounted pay": lambda it: (it.discounted, it.paid),
-        "shorter": lambda it: (-it.steps, it.paid),
-        "less pay": lambda it: (-it.paid,),
-    }
+    goals: dict[str, Goal] = {name: partial(_numbers, names) for name, names in GOALS.items()}
     for name in outcomes.measures:
         for sign in (world.directions[name],) if name in world.directions else (1, -1):
             goals[f"{name} {sign:+d}"] = lambda it, name=name, sign=sign: (  # type: ignore[misc]
