@@ -42,11 +42,8 @@ class Cells:
         self._low = self._width = np.zeros(0)  # open bounds: the first episode tells
         if isinstance(observes, gymnasium.spaces.Box) and np.isfinite([observes.low, observes.high]).all():
             self._cut(np.stack([observes.low.ravel(), observes.high.ravel()]).astype(np.float64), 1e-9)
-        self._ways: dict[bytes, Way] = {}
+        self.ways: dict[bytes, Way] = {}
         self._visits: dict[bytes, int] = {}
-
-    def __len__(self) -> int:
-        return len(self._ways)
 
     def _cut(self, seen: Float, least: float) -> None:
         """Cut what lies between observations into cells, each at least so wide."""
@@ -65,14 +62,14 @@ class Cells:
         keys = np.floor((trail - self._low) / self._width).clip(-1e6, 1e6).astype(np.int32)
         cells, first = np.unique(keys, axis=0, return_index=True)
         for key, step in zip(map(np.ndarray.tobytes, cells), first.tolist(), strict=True):
-            if key in self._ways or len(self) < MOST:
+            if key in self.ways or len(self.ways) < MOST:
                 self._visits[key] = self._visits.get(key, 0) + 1
-                if step < self._ways.setdefault(key, Way(genes, step)).length:
-                    self._ways[key] = Way(genes, step)
+                if step < self.ways.setdefault(key, Way(genes, step)).length:
+                    self.ways[key] = Way(genes, step)
 
     def draw(self, rng: Rng, count: int) -> list[Way]:
         """Ways to cells, rare ones more often."""
-        ways, weights = list(self._ways.values()), 1.0 / np.sqrt(np.array(list(self._visits.values()), np.float64))
+        ways, weights = list(self.ways.values()), 1.0 / np.sqrt(np.array(list(self._visits.values()), np.float64))
         return [ways[it] for it in rng.choice(len(ways), count, p=weights / weights.sum())]
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from harness.files.plain import to_plain
 from harness.text import number, shortened
 
-from .behaviour import ROLES
 from .certificate import Certificate, DisturbedForm, rating_text
 from .disturb import paid_at
 from .finding import Finding
@@ -128,7 +127,7 @@ def certify(
     certificates, refused = list[Certificate](), list[str]()
     with closing(make()) as world:
         place = replace(place, horizon=world.horizon)
-        for role in (it for it in ROLES if it in finding.shown):
+        for role, shown in finding.shown.items():
             searched, behaviour = finding.searched, finding.three[role]
             rated = [it for it in (searched.rates or {}).values() if it.policy is behaviour.policy]
             found = replay(
@@ -150,7 +149,7 @@ def certify(
                         "steps": searched.steps,
                         "how": list(searched.how),
                     },
-                    finding.shown[role],
+                    shown,
                     [
                         {name: getattr(row, name) for name in DisturbedForm.__annotations__}
                         for row in finding.noise

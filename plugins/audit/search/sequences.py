@@ -205,12 +205,11 @@ class Evolution:
 
     def _parents(self, row: int, count: int, ending: bool) -> tuple[list[Way], list[Way], Sequence[bool]]:
         """Parents of the children of one start: who is changed, whose parts may be put in; and who is to be left."""
-        archives, rng, horizon = self._archives[row], self.rng, self.world.horizon
-        weights = SUCCEEDING if ending else WEIGHING
-        if not archives[SUCCESSES].ways:
+        known: dict[str, Archive | Cells] = {**self._archives[row], CELLS: self._cells[row]}
+        rng, horizon, weights = self.rng, self.world.horizon, SUCCEEDING if ending else WEIGHING
+        if not known[SUCCESSES].ways:
             weights = SEEKING
-        sizes = {name: len(it.ways) for name, it in archives.items()} | {CELLS: len(self._cells[row]), FRESH: 1}
-        able = [name for name in weights if sizes.get(name)]
+        able = [name for name in weights if name == FRESH or (name in known and known[name].ways)]
         shares = np.array([weights[name] for name in able])
         best = self.kept.plain[row]
         if ending and best.failure_pay > best.success_pay:
@@ -219,12 +218,10 @@ class Evolution:
         first = [Way(genes) for genes in self._moves.coloured(rng, count, horizon)]
         for place, name in enumerate(able):
             these = np.flatnonzero(names == place).tolist()
-            if name in archives:
-                for k, way in zip(these, archives[name].draw(rng, len(these)), strict=True):
-                    first[k] = way
-            elif name == CELLS and these:
-                for k, (genes, steps, _) in zip(these, self._cells[row].draw(rng, len(these)), strict=True):
-                    first[k] = Way(np.concatenate([genes[:steps], first[k].genes[steps:]]), steps)
+            if these and name in known:
+                for k, way in zip(these, known[name].draw(rng, len(these)), strict=True):
+                    until = way.length if name == CELLS else horizon  # noise follows a way to a cell
+                    first[k] = way._replace(genes=np.concatenate([way.genes[:until], first[k].genes[until:]]))
         # the other parents: successes and failures of the start as often, some of another start
         rows = np.where(rng.random(count) < 0.1, rng.integers(len(self.kept.starts), size=count), row)
         kinds = rng.integers(2, size=count)

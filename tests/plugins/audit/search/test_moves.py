@@ -55,7 +55,7 @@ def test_the_shortest_way_to_a_cell_is_kept_and_rare_cells_are_drawn_more():
     cells.add(np.array([[0.05], [0.15], [0.95]]), np.array([777]))
     ways = cells.draw(default_rng(0), 3_000)
     steps, rare = np.array([way.length for way in ways]), np.array([way.genes[0] == 777 for way in ways])
-    assert len(cells) == 3
+    assert len(cells.ways) == 3
     assert (set(steps[rare]), set(steps[~rare])) == ({1, 2}, {0})
     assert (steps == 2).mean() > 0.7
 
