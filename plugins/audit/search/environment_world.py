@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from math import isfinite, nan
 from typing import Any
 
@@ -45,6 +45,7 @@ class EnvironmentWorld(World):
 
     def __init__(
         self,
+        env: AnyEnv,
         make: Callable[[], AnyEnv],
         columns: Callable[[AnyEnv], Columns],
         name: str,
@@ -54,10 +55,11 @@ class EnvironmentWorld(World):
         horizon: int | None,
         is_new: bool = True,
     ) -> None:
-        """Make an env, and play a few episodes of random actions to see what it tells.
+        """Play a few episodes of random actions to see what an env tells.
 
         Args:
-            make: Makes an env.
+            env: The first one.
+            make: Makes another one.
             columns: Its rewards and measures.
             name: What it is called.
             reward: The name of the reward.
@@ -70,7 +72,7 @@ class EnvironmentWorld(World):
             UsageError: Its actions cannot be searched, a name is not known, or the reward or a measure fails.
         """
         self.name, self.reward, self.gamma = name, reward, gamma
-        self._make, self._columns, self._is_new, env = make, columns, is_new, make()
+        self._make, self._columns, self._is_new = make, columns, is_new
         self._coded, self.observes = coded(env.action_space, name), env.observation_space
         self.space, self._rows = self._coded.space, rows_of(self.observes)
         limit = horizon or _limit_of(env)
@@ -287,11 +289,6 @@ def of_env(
     Raises:
         UsageError: See `EnvironmentWorld`.
     """
-    made = opened_env(env)
-    first = [made]
-
-    def make() -> AnyEnv:
-        return first.pop() if first else opened_env(env)
-
+    made, make = opened_env(env), partial(opened_env, env)
     name = made.spec.id if made.spec is not None else type(made.unwrapped).__name__
-    return EnvironmentWorld(make, lambda _: columns, name, reward, gamma, success, None, made is not env)
+    return EnvironmentWorld(made, make, lambda _: columns, name, reward, gamma, success, None, made is not env)

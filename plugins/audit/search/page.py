@@ -216,24 +216,20 @@ def _show(group: Mapping[Role, Certificate], scene: Scene) -> Show | None:
     }
     if not shown:
         return None
-    sides = tuple(
-        Side(title, (it.shown.start,), scene, (_episode(it),), float(it.shown.drawn["time"][1, 0]))
-        for title, it in shown.items()
-    )
+    sides = list[Side]()
+    for title, it in shown.items():
+        of, drawn, count = it.shown, it.shown.drawn, len(it.shown.paid)
+        steps = np.unique(np.linspace(0, count, min(FRAMES, count + 1)).round().astype(np.int64))
+        episode = Episode(
+            steps,
+            drawn["qpos"][steps],
+            drawn["target"][steps],
+            drawn["distance"][steps, 0],
+            sums_so_far(of.paid)[steps],
+            "reached" if of.success[-1] else "ground" if _last(it, "ground") == "1" else "time-out",
+            {},
+        )
+        sides.append(Side(title, (of.start,), scene, (episode,), float(drawn["time"][1, 0])))
     first = next(iter(shown.values()))
     told = f"{first.place.reward.label}, start {first.shown.start}"
-    return Show(first.place.reward.label, (1,), sides, told=told)
-
-
-def _episode(it: Certificate) -> Episode:
-    shown, drawn = it.shown, it.shown.drawn
-    steps = np.unique(np.linspace(0, len(shown.paid), min(FRAMES, len(shown.paid) + 1)).round().astype(np.int64))
-    return Episode(
-        steps,
-        drawn["qpos"][steps],
-        drawn["target"][steps],
-        drawn["distance"][steps, 0],
-        sums_so_far(shown.paid)[steps],
-        "reached" if shown.success[-1] else "ground" if _last(it, "ground") == "1" else "time-out",
-        {},
-    )
+    return Show(first.place.reward.label, (1,), tuple(sides), told=told)

@@ -169,8 +169,8 @@ def world_at(place: Place, registry: Registry) -> World:
         environment: Environment = place.task.build(registry, "environments")
         with blamed_at(place, registry):
             return EnvironmentWorld(
-                environment.make, lambda env: columns_of(environment, env, registry, [chosen]), place.name,
-                chosen.label, place.gamma, place.success, place.horizon or None,
+                environment.make(), environment.make, lambda env: columns_of(environment, env, registry, [chosen]),
+                place.name, chosen.label, place.gamma, place.success, place.horizon or None,
             )  # fmt: skip
     return ArmWorld(arm_at(place, registry), place.name, chosen.label, place.gamma)
 

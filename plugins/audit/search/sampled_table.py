@@ -141,18 +141,7 @@ class Counts:
 
         return act
 
-    def explore(self, until: int) -> None:
-        """Go to what was tried too seldom until there is none, or the world has taken so many steps."""
-        self.play(self._seeking(np.zeros(0, np.int64)))
-        news = -1
-        while self.world.taken < until and news < self.news and self.is_table:
-            means, news = self.means(), self.news
-            seldom = np.where(means.tried < KNOWN, 1.0, 0.0)
-            plan = means.choices(seldom, CURIOUS, seldom >= 0.0)
-            for _ in range(LOOKS):
-                self.play(self._seeking(plan))
-
-    def _seeking(self, plan: Ints) -> Act:
+    def seeking(self, plan: Ints) -> Act:
         """A policy that tries what was tried too seldom wherever it is, and follows a plan to such places."""
         count, now = int(self.space.n), Counter[Pair]()
 
@@ -194,7 +183,14 @@ def sample_tables(world: World, budget: int, rng: Rng) -> list[Data]:
     if not isinstance(world.space, Discrete) or world.space.n > MOST_ACTIONS:
         return []
     counts, begun = Counts(world, world.space, rng), world.taken
-    counts.explore(begun + int(EXPLORED * budget))
+    counts.play(counts.seeking(np.zeros(0, np.int64)))
+    news = -1  # goes to what was tried too seldom until there is none
+    while world.taken < begun + int(EXPLORED * budget) and news < counts.news and counts.is_table:
+        means, news = counts.means(), counts.news
+        seldom = np.where(means.tried < KNOWN, 1.0, 0.0)
+        plan = means.choices(seldom, CURIOUS, seldom >= 0.0)
+        for _ in range(LOOKS):
+            counts.play(counts.seeking(plan))
     for part in range(ROUNDS, 0, -1):
         found = [counts.acting(choices) for choices in counts.policies()] if counts.is_table else []
         share = (begun + budget - world.taken) // (part * world.horizon)
