@@ -18,7 +18,7 @@ from harness.reward.terms import paid_twice, paid_twice_text
 from harness.text import number
 
 from ..transitions.audit_rewards import GAMMA, ByName
-from .behaviour import Behaviour, Rates, Role, Searched
+from .behaviour import Behaviour, Role, Searched, Three
 from .disturb import NOISES, Acting, noise_curve, paid_at, rested, strength_of
 from .finding import NAMES, Finding
 from .held_out import act_of
@@ -94,12 +94,22 @@ def find_in(
     judged = judge(searched, world, _walks_in(world, searched))
     rng, rates = np.random.default_rng([asked.seed, asked.budget]), searched.rates
     given = {it.made_by: it.act for it in begun if it.act is not None}
+
+    def acting(three: Three) -> dict[Role, Acting]:
+        """The policies of behaviours that have one, found or given; from their starts, or many where chance decides."""
+        found = dict[Role, Acting]()
+        for role, of in three.items():
+            act = given.get(of.made_by) if of.policy is None else act_of(of.policy, world)
+            if act is not None:
+                found[role] = act, rates["paid"].starts if rates else [of.start]
+        return found
+
     three = judged.shown.three
-    noise = noise_curve(world, three, _acting(three, world, rates, given), rng)
+    noise = noise_curve(world, three, acting(three), rng)
     strength = ""
     if cases := [case for case in judged.alarmed if case.word == judged.word]:
-        acting = [_acting(case.three, world, rates, given) for case in cases]
-        strength, stands, (tempting, task) = strength_of(world, list(zip(cases, acting, strict=True)), rng)
+        tried = [(case, acting(case.three)) for case in cases]
+        strength, stands, (tempting, task) = strength_of(world, tried, rng)
         count, is_fragile = len(cases), strength == FRAGILE
         on = f" on {count - stands if is_fragile else stands} of {count} starts" if count > 1 else ""
         told.append(
@@ -217,25 +227,6 @@ def find_cheats(
         rewards=tuple(rewards),
         cheats=tuple(found),
     )
-
-
-def _acting(
-    behaviours: Mapping[Role, Behaviour], world: World, rates: Rates | None, given: Mapping[str, Act]
-) -> dict[Role, Acting]:
-    """The policies of behaviours that have one, found or given, and their starts: those of rates where chance decides.
-
-    Args:
-        behaviours: By role.
-        world: Where.
-        rates: What chance decides, if it does.
-        given: By what their behaviours are said to be made by, the policies that the search began from.
-    """
-    found = dict[Role, Acting]()
-    for role, of in behaviours.items():
-        act = given.get(of.made_by) if of.policy is None else act_of(of.policy, world)
-        if act is not None:
-            found[role] = act, rates["paid"].starts if rates else [of.start]
-    return found
 
 
 def _walks_in(world: World, searched: Searched) -> Walks:

@@ -242,8 +242,7 @@ def decides_by_chance(world: World, budget: int, rng: Rng) -> bool:
     for start in rng.integers(*TRAINING, RESETS).tolist():
         if world.taken >= until:
             break
-        rest = iter(actions)
-        shown = world.watch(start, lambda observed, rest=rest: int(next(rest)))  # type: ignore[misc]
+        shown = world.show(start, actions)
         went = tuple(map(key_of, shown.observed)), shown.paid.tobytes(), shown.ended
         if met.setdefault(key_of(shown.observed[0]), went) != went:
             return True

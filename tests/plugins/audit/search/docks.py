@@ -51,6 +51,10 @@ class Dock:
             trails=[] if self.tells else [row[: k + 1, None] for row, k in zip(walked, steps, strict=True)],
         )
 
+    def show(self, start, actions):
+        rest = iter(actions)
+        return self.watch(start, lambda seen: next(rest))
+
     def watch(self, start, policy):
         """What it observes does not matter to who asks whether it is a table, or chance."""
         actions = np.array([policy(np.zeros(1)) for _ in range(self.horizon)])
