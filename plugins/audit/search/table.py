@@ -163,7 +163,7 @@ class Learner:
             raise NoTableError
 
     def table(self, starts: Sequence[int], until: int) -> Table:
-        """That of some starts, after as many random steps again were asked whether they agree with what was learnt.
+        """A table of some starts, after as many random steps again were asked whether they agree with it.
 
         Raises:
             ContradictionError: They do not.
@@ -192,7 +192,7 @@ class Learner:
 def transitions(
     shown: Shown, states: Sequence[int], space: Discrete, horizon: int
 ) -> Iterator[tuple[Pair, int, float, bool]]:
-    """Of each step of an episode, the state and the action, the state after it, what it paid, whether it was a success.
+    """Each step of an episode: the state and the action, the state after it, what it paid, whether it was a success.
 
     Instead of a state there is -1 where the step ended the episode by itself; the horizon is no end of a table.
     """
