@@ -110,6 +110,7 @@ class EnvironmentWorld(World):
         self._asked = made_columns(env, {self.reward: columns.rewards[self.reward]}, behaviour, 1, frozenset())
         self._functions = [it.measures[0] for it in self._asked if it.measures]
         self._of_step = [it.takes_step for it in self._asked if it.measures]
+        self._is_watched = any(it.is_watched for it in self._asked)
         self._guard, self._place = Guard(), (0, 0)
         self._before: tuple[Any, ...] = ()
 
@@ -185,8 +186,7 @@ class EnvironmentWorld(World):
                 before = Before._make((seen, last if steps else zeros_of(given[1]), told))
                 forms = given, (Now._make((kept, given[1], given[3], bool(terminated), bool(truncated), before)),)
             asking = [forms[of_step] for of_step in self._of_step]
-            is_watched = any(it.is_watched for it in self._asked)
-            answers = iter(self._guard.ask(self._functions, asking, is_watched=is_watched))
+            answers = iter(self._guard.ask(self._functions, asking, is_watched=self._is_watched))
             self._drew, self._before = self._drew or bool(self._guard.drew), (kept, given[1], given[3])
         values = [next(answers) if it.measures else pays for it in self._asked]
         paid, *measured = (self._numbers(*it, forms) for it in zip(self._asked, values, strict=True))

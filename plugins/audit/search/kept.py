@@ -104,10 +104,12 @@ class Bests:
         self.failure_pay = -np.inf
         self._success = np.full(self.horizon + 1, -np.inf)
 
+    def is_better(self, success: bool, time: int, pay: float) -> bool:
+        """Whether such an episode would be kept."""
+        return bool(pay > (self._success[time] if success else self.failure_pay))
+
     def keep(self, behaviour: Behaviour, pay: float) -> None:
-        """Keep an episode if it is better than what was kept, in the place of those that it makes needless."""
-        if not pay > (self._success[behaviour.time] if behaviour.success else self.failure_pay):
-            return
+        """Keep an episode, in the place of those that it makes needless."""
         if not behaviour.success:
             self.failure, self.failure_pay = behaviour, pay
             return
@@ -194,6 +196,8 @@ class Kept:
             failures, successes = order[~outcomes.success[order]], order[outcomes.success[order]]
             _, first = np.unique(rows[failures], return_index=True)
             for k in [*failures[first].tolist(), *successes.tolist()]:
+                if not of[rows[k]].is_better(outcomes.success[k], outcomes.time[k], pays[k]):
+                    continue
                 numbers: Data = {name: getattr(outcomes, name)[k].item() for name in NUMBERS}
                 measures = {name: values[k].item() for name, values in outcomes.measures.items()}
                 taken, policy = np.array(actions[k][: outcomes.steps[k]]), policies[k] if len(policies) else None

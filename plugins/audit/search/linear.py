@@ -58,7 +58,7 @@ def act_linear(policy: Data, world: World) -> Act:
             told += weights[:, 1 + size :] @ (scaled[rows] * scaled[columns])
         chosen = moves.chosen(told)
         if isinstance(moves, Choices):
-            return int(moves.played(chosen))
+            return moves.first + int(chosen)
         return (moves.middle + moves.half * chosen).reshape(space.shape).astype(space.dtype)
 
     return act
