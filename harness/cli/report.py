@@ -180,5 +180,14 @@ def _read_together(
 
 
 def _details(results: "Results", folders: Sequence[Path], told: "Told") -> str:
-    """The command that shows everything behind the overview."""
-    return command_text("harness", "report", *folders, "--details", *told.flags) + results.report_flags
+    """The command that shows everything behind the overview, with the flags that say the same of logs again."""
+    name, better = told.deciding
+    measure = f"{name}{':better=' * bool(better)}{better}"
+    given = {
+        "--as": told.format, "--sort": told.sort, "--baseline": told.baseline, "--measure": measure,
+        "--labels": str(told.labels or ""), "--per-step": told.per_step,
+    }  # fmt: skip
+    left_out = (("--leave-out", str(path)) for path in told.leave_out)
+    ends = (("--ends", f"{name}={low:g},{high:g}") for name, (low, high) in told.ends.items())
+    flags = [text for flag, value in (*given.items(), *left_out, *ends) if value for text in (flag, value)]
+    return command_text("harness", "report", *folders, "--details", *flags) + results.report_flags

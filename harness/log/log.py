@@ -58,8 +58,9 @@ ROWS = 65_536
 """Rows of a piece: half a megabyte per number."""
 MOST_ROWS = 200_000_000
 """The most rows that a log may have."""
-LARGEST = 1e150
-"""The largest number, whose square is still finite."""
+LARGEST = np.float64(1e150)
+"""The largest number that is counted with: its square is finite."""
+UNCOUNTABLE = f"a number that is not finite, or beyond {LARGEST:g}"
 TIME, SINCE, START, REWARD, BEHAVIOUR = "time", "since", "start", "reward/", "behaviour/"
 BEFORE, INFO = "before/", "info/"
 OBSERVATION, ACTION, SEEN = "observation", "action", "seen"
@@ -70,6 +71,19 @@ RECORDED = "recorded"
 """The reward that a log's own column of pay holds, where nobody says which it is."""
 SUCCESS = "success"
 """The measure that decides, where there is one of this name."""
+
+
+def is_countable(values: Any) -> Any:
+    """Where numbers can be counted with, finite and within `LARGEST`: of an array a mask, of a number one flag.
+
+    What a reward pays is such a number at every door. So is each number of a log that is known.
+    """
+    return abs(values) <= LARGEST  # a comparison with what is no number is false
+
+
+def uncountable_text(value: float) -> str:
+    """Such a number, as a message shows it."""
+    return f"{value:g}, no number within {LARGEST:g}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,7 +295,7 @@ def in_memory(facts: LogFacts, columns: Columns) -> Log:
     """
     _count(facts, columns)
     for name, values in zip(columns, map(np.asarray, columns.values()), strict=True):
-        if values.dtype.kind == "f" and len(beyond := values[np.abs(values) > np.float64(LARGEST)]):
+        if values.dtype.kind == "f" and len(beyond := values[~(is_countable(values) | np.isnan(values))]):
             raise SchemaError(f"{facts.path}: a value of {name} is {beyond[0]:g}, which is beyond all returns")
     return Log(facts, tuple(columns), lambda names: [{name: columns[name] for name in names}], dict(columns))
 

@@ -18,7 +18,7 @@ import numpy as np
 from harness.arrays import Float, Mask
 from harness.errors import SchemaError
 from harness.files.bounded import open_regular, reading
-from harness.log.log import LARGEST
+from harness.log.log import is_countable
 from harness.text import shortened
 
 MOST_BYTES = 2**27
@@ -86,7 +86,7 @@ class TextTable:
         except ValueError:
             known = {cell: _number(cell) for cell in {*cells}}  # a column of True and False has two
             values = np.fromiter(map(known.__getitem__, cells), np.float64, len(cells))
-        wrong = ~(np.abs(values) <= LARGEST)
+        wrong = ~is_countable(values)
         for row in np.flatnonzero(wrong):
             if cells[row].strip().lower() not in lacks or not math.isnan(values[row]):
                 shown = shortened(cells[row], 40) or "nothing"

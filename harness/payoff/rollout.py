@@ -17,7 +17,7 @@ from harness.env.vector_env import ReachVectorEnv, World
 from harness.errors import SimulationDiverged, UsageError, sentence
 from harness.experiment.arm_evaluation import EVALUATION_SEED
 from harness.files.plain import tells
-from harness.log.log import sums_from
+from harness.log.log import is_countable, sums_from, uncountable_text
 from harness.motion.motion import JointLimits, MoveJ
 from harness.reward import (
     Carry,
@@ -26,7 +26,6 @@ from harness.reward import (
     Steps,
     pay,
 )
-from harness.reward.reward import LARGEST_PAID
 from harness.reward.steps import ARM_BEFORE, DISTANCE, ENDS, step_between
 from harness.reward.terms import Unpaid, paid_twice, paid_twice_text, require_one_each, require_same
 from harness.robot import Robot
@@ -354,11 +353,11 @@ def score_rollout(reward: Reward, rollout: Rollout) -> Score:
     paid = pay_along(reward, rollout.states)
     *terms, values = (np.where(rollout.running, of, 0.0) for of in (*paid.terms.values(), paid.total))
     for name, of in zip((*(f"the term '{name}'" for name in paid.terms), "the reward"), (*terms, values), strict=True):
-        wrong = ~(np.abs(of) <= LARGEST_PAID)
+        wrong = ~is_countable(of)
         if wrong.any():
             step, episode = np.argwhere(wrong)[0]
-            told = f"more than {LARGEST_PAID:g}" if np.isfinite(of[step, episode]) else "a number that is not finite"
-            raise SimulationDiverged(f"{name} pays '{rollout.script}' {told} at step {step + 1}")
+            told = uncountable_text(of[step, episode])
+            raise SimulationDiverged(f"{name} pays '{rollout.script}' {told}, at step {step + 1}")
     return Score(rollout, values, dict(zip(paid.terms, terms, strict=True)))
 
 

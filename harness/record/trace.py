@@ -58,11 +58,10 @@ from harness.files.bounded import reading
 from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
 from harness.files.plain import Plain
 from harness.log import Log, LogFacts, in_memory
-from harness.log.log import Columns
+from harness.log.log import UNCOUNTABLE, Columns, is_countable, uncountable_text
 from harness.record.file_forms import read_form
 from harness.record.folder import parts_of
 from harness.record.parts import PART_BYTES, PART_ROWS, RowsWriter, open_part, rows_of
-from harness.reward.reward import LARGEST_PAID
 from harness.reward.steps import ENDS
 from harness.text import shortened
 
@@ -251,7 +250,7 @@ class TraceWriter(RowsWriter):
         """The rows before a number that no reader takes stay."""
         self._schema = self._schema.with_metadata({FORMAT_KEY: str(FORMAT), FACTS_KEY: self.facts.to_bytes()})
         rows = self._block[: self._filled]
-        bad = np.argwhere(~(np.abs(rows) <= LARGEST_PAID))  # a comparison with what is no number is false
+        bad = np.argwhere(~is_countable(rows))
         if not len(bad):
             super()._write()
             return
@@ -259,8 +258,7 @@ class TraceWriter(RowsWriter):
         self._filled = int(row)
         super()._write()
         where = ", ".join(f"{key} {rows[row, COLUMN[key]]:.0f}" for key in INTEGERS)
-        told = f"{rows[row, column]:g}, no number within {LARGEST_PAID:g},"
-        raise SimulationDiverged(f"{self._names[column]} is {told} at {where}")
+        raise SimulationDiverged(f"{self._names[column]} is {uncountable_text(rows[row, column])}, at {where}")
 
 
 def terms_of(trace: Log, begin: str = TERM) -> dict[str, NDArray[Any]]:
@@ -367,7 +365,7 @@ def _opened(path: Path, most: int) -> _Part:
         _require_columns(schema, ("reward", *(["ground", "reached"] if version == "1" else [])), path)
         for name, chunk in require_room(path, part.file, [*filter(_is_known, schema.names)], most):
             if chunk.least is not None and chunk.greatest is not None:
-                _require_moderate(chunk.least, chunk.greatest, f"{path}: {name}")
+                _require_countable(chunk.least, chunk.greatest, f"{path}: {name}")
         return part
 
 
@@ -391,7 +389,7 @@ def _rows(file: pq.ParquetFile, path: Path, names: Sequence[str]) -> Iterator[Co
     for rows in rows_of(file, path, names):
         for name, values in rows.items():
             if values.dtype.kind == "f" and values.size:
-                _require_moderate(values.min(), values.max(), f"{path}: {name}")
+                _require_countable(values.min(), values.max(), f"{path}: {name}")
         yield rows
 
 
@@ -410,9 +408,9 @@ def _require_columns(schema: pa.Schema, needed: Sequence[str], path: Path) -> No
             raise SchemaError(f"{path} has a column {name} of {found}, not of {expected}")
 
 
-def _require_moderate(least: float, most: float, noun: str) -> None:
-    if not (least >= -LARGEST_PAID and most <= LARGEST_PAID):  # a comparison with what is no number is false
-        raise SchemaError(f"{noun} holds a value that is not a finite number, or one beyond {LARGEST_PAID:g}")
+def _require_countable(least: float, most: float, noun: str) -> None:
+    if not (is_countable(least) and is_countable(most)):
+        raise SchemaError(f"{noun} holds {UNCOUNTABLE}")
 
 
 if not TYPE_CHECKING:

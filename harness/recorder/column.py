@@ -2,7 +2,6 @@
 
 import hashlib
 import inspect
-import math
 import textwrap
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, is_dataclass
@@ -13,6 +12,7 @@ import numpy as np
 
 from harness.arrays import Float
 from harness.errors import UsageError
+from harness.log.log import is_countable, uncountable_text
 from harness.record.recording.facts import (
     FILE_BEHAVIOUR,
     FILE_REWARD,
@@ -35,6 +35,11 @@ from harness.reward.given import ARM, OWN, Given, OfArm, Terms, arguments, opene
 from harness.reward.terms import paid_of, require_same, sum_of
 
 
+def are_numbers(values: Any) -> bool:
+    """Whether what was told or returned can be counted with, all of it."""
+    return bool(np.all(is_countable(values)))
+
+
 def as_number(value: object) -> float:
     """One number, as a float.
 
@@ -51,8 +56,8 @@ def as_number(value: object) -> float:
         if array.dtype.kind not in "biuf":
             raise TypeError(f"it is {value!r}, no number")
         return as_number(float(array))
-    if not math.isfinite(value):
-        raise ValueError(f"it is {value}")
+    if not is_countable(value):
+        raise ValueError(f"it is {uncountable_text(value)}")
     return value
 
 

@@ -16,7 +16,7 @@ from gymnasium import Space
 
 from harness.arrays import Float
 from harness.errors import SimulationDiverged, reason_of
-from harness.recorder.column import Column
+from harness.recorder.column import Column, are_numbers
 from harness.recorder.computing import bound
 from harness.recorder.guard import FAILURES, Asking, Raised
 from harness.recorder.parts import info_of, items_of, with_items
@@ -388,7 +388,7 @@ class Taken:
         """
         if len(values) > 1 and not column.terms:
             values = _packed(values)
-        if isinstance(values, np.ndarray) and (values.ndim == 2 or not column.terms) and np.isfinite(values).all():
+        if isinstance(values, np.ndarray) and (values.ndim == 2 or not column.terms) and are_numbers(values):
             return values.reshape(len(values), -1)
         found: list[list[float]] = []
         for row, value in enumerate(values):

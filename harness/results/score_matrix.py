@@ -17,8 +17,6 @@ from harness.record.folder import SCORES, TRACE
 from harness.registry.choice import Choice, Registry
 from harness.results.comparison import Group
 from harness.results.results import Results
-from harness.reward.reward import LARGEST_PAID
-from harness.score.installed_reward import UNPAYABLE
 from harness.score.rescore import rescore
 
 
@@ -65,17 +63,14 @@ def _matrix(
         places = [results.store.cell_folder(cell) for cell in cells]
         refused = [rescore(cell_log(it / TRACE), scoring, it / SCORES, registry) for it in places]
         for label, row in indices.items():
-            reasons = [told[label] for told in refused if label in told]
-            runs = list[Float]()
-            for scores in [] if reasons else [it / SCORES for it in places]:
-                with reading(scores, "file of scores"):
-                    runs.append(np.asarray(pq.read_table(scores, columns=[label]).column(label).to_numpy()))
-            if not all((np.abs(run) <= LARGEST_PAID).all() for run in runs):
-                reasons = [f"reward {label} {UNPAYABLE}"]
-            if reasons:
+            if reasons := [told[label] for told in refused if label in told]:
                 is_own = training.partition(":")[0] == label.partition(":")[0]  # its own terms say most
                 failed[label] = reasons[0] if is_own else failed.get(label, reasons[0])
-            else:
-                row[training] = curve_of(runs).index
+                continue
+            runs = list[Float]()
+            for scores in [it / SCORES for it in places]:
+                with reading(scores, "file of scores"):
+                    runs.append(np.asarray(pq.read_table(scores, columns=[label]).column(label).to_numpy()))
+            row[training] = curve_of(runs).index
     seeds = {label: tuple(sorted(cell.seed for cell in cells)) for label, cells in trainings.items()}
     return ScoreMatrix(group, seeds, {label: row for label, row in indices.items() if row}, failed)

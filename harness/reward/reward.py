@@ -49,8 +49,6 @@ LARGEST_FACTOR = 1e18
 """The largest number that a parameter of our rewards and tasks may be: what follows from what they pay stays finite."""
 Pay: TypeAlias = Annotated[float, Field(ge=-LARGEST_FACTOR, le=LARGEST_FACTOR, allow_inf_nan=False)]
 """The type of such a parameter, in a dataclass of pydantic's."""
-LARGEST_PAID = 1e150
-"""The largest pay of a step that is counted with: its square is finite."""
 
 
 class Reward(Protocol):

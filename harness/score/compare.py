@@ -26,7 +26,7 @@ from harness.eta.laws import counted, shortfall_beside
 from harness.eta.splits import Decomposition, Pair
 from harness.files.plain import Plain, tells
 from harness.log import Log, Rows
-from harness.log.log import ROWS
+from harness.log.log import ROWS, is_countable
 from harness.registry.choice import Registry, choose
 from harness.reward import Reward
 from harness.reward.steps import MissingField
@@ -151,10 +151,14 @@ class ComparedRuns(Plain):
         return self.curves[BB].kind
 
     @property
+    def names(self) -> Names:
+        """What the two rewards are called in sentences."""
+        return Names(*(self.rewards[who] or f"the {who} reward" for who in ("baseline", "proposed")))
+
+    @property
     def number(self) -> str:
         """How much the indices changed, and how much of that is ruler, in words; see `harness.eta.headline`."""
-        known = [self.rewards[who] or f"the {who} reward" for who in ("baseline", "proposed")]
-        return number_sentence(Names(*known), self.decomposition.splits)
+        return number_sentence(self.names, self.decomposition.splits)
 
 
 def compare_logs(
@@ -337,7 +341,7 @@ class ComparedRows:
         if self.other is not None:
             scored = np.stack([piece.other[:steps] for piece in pieces])
             self.other.add(scored)
-            self.other = self.other if np.isfinite(scored).all() else None
+            self.other = self.other if is_countable(scored).all() else None
 
     @property
     def alike(self) -> dict[str, list[Log]]:

@@ -35,7 +35,7 @@ from harness.errors import UsageError
 from harness.files.bounded import require_regular
 from harness.log import Log, LogFacts
 from harness.log.format import HEAD
-from harness.log.log import LARGEST, RECORDED, REWARD, Array, Columns
+from harness.log.log import RECORDED, REWARD, Array, Columns, is_countable
 from harness.log.text_table import first_rows, head_of
 from harness.reward.row_steps import TOUCHED
 from harness.score.row_meaning import NEEDED, RECORD, RowWatch, roles_in, why_no_steps
@@ -133,7 +133,7 @@ def _find_fault(cells: list[str], header: list[str], places: Mapping[str, int]) 
     for name, text in texts.items():
         column = header[places[name]].strip()
         with suppress(ValueError):
-            if "_" not in text and abs(float(text)) <= LARGEST:
+            if "_" not in text and is_countable(float(text)):
                 continue
         if not text and name in ("step", *told):
             continue
@@ -246,7 +246,7 @@ def _read_rows(columns: Columns, last_step: int, episodes: dict[int, int]) -> di
         last_step: That of the row before.
         episodes: The number of the last episode of each env in the rows before; it is gone on with.
     """
-    if any((np.abs(column) > LARGEST).any() for column in columns.values()):
+    if not all((is_countable(column) | np.isnan(column)).all() for column in columns.values()):
         return None
     reward, events = columns["reward"], {name: columns[name] for name in EVENTS if name in columns}
     if "distance" not in columns:

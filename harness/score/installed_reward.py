@@ -9,11 +9,11 @@ import numpy as np
 
 from harness.errors import HarnessError, SchemaError, Unscored, one_line
 from harness.log import Log
+from harness.log.log import UNCOUNTABLE, is_countable
 from harness.record.trace import TERM, terms_of
 from harness.registry.choice import Choice, Registry
 from harness.registry.sources import fingerprint
 from harness.reward import Paid, Reward
-from harness.reward.reward import LARGEST_PAID
 from harness.reward.steps import MissingField
 from harness.reward.terms import needs_of
 from harness.score.scorer import pay_log
@@ -23,9 +23,6 @@ from harness.score.weights import reweighted
 def is_installed(registry: Registry, reward: str) -> bool:
     """Whether there is code for a reward of this name."""
     return "rewards" in registry.kinds_of(reward)
-
-
-UNPAYABLE = f"pays a number that is not finite, or beyond {LARGEST_PAID:g}, on the runs of another reward"
 
 
 class InstalledReward:
@@ -73,13 +70,10 @@ class InstalledReward:
             taught_by: The reward that paid it when it was recorded.
 
         Raises:
-            Unscored: It cannot, or what it pays is not finite.
+            Unscored: It cannot, or what it pays cannot be counted with.
         """
         with self._told():
-            paid = self.paid(run, taught_by)
-            if not (np.abs(paid.total) <= LARGEST_PAID).all():
-                raise HarnessError(f"reward {self.choice.label} {UNPAYABLE}")
-            return paid
+            return self.paid(run, taught_by)
 
     def pays_recorded(self, own: Log) -> bool:
         """Whether it pays what is recorded, except for last bits, in which another machine may differ.
@@ -94,14 +88,19 @@ class InstalledReward:
             return np.allclose(self.paid(own, self.choice).total, own["reward"], rtol=1e-9, atol=1e-12)
 
     def paid(self, run: Log, taught_by: Choice | None, begin: str = TERM) -> Paid:
-        """The same, whatever it is; `begin` is how columns of the terms of who taught begin.
+        """The same; `begin` is how columns of the terms of who taught begin.
 
         Raises:
+            HarnessError: What it pays cannot be counted with.
             Exception: Whatever the reward raises.
         """
         if self._is_recorded_by(taught_by) and (terms := terms_of(run, begin)):
-            return reweighted(self.choice.label, taught_by, terms)
-        return pay_log(self._reward, run)
+            paid = reweighted(self.choice.label, taught_by, terms)
+        else:
+            paid = pay_log(self._reward, run)
+        if not is_countable(paid.total).all():
+            raise HarnessError(f"reward {self.choice.label} pays {UNCOUNTABLE}, on these runs")
+        return paid
 
     def _is_recorded_by(self, taught_by: Choice | None) -> TypeGuard[Choice]:
         """Whether nothing but the columns of a run can tell what it pays, and these are of its own terms."""

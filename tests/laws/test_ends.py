@@ -84,10 +84,13 @@ def evaluate(env):
     play(env, lambda seen: next(actions), slice(0, 3), 3, seed=0)
 
 
-def traced(task, act, mode, path):
-    """What three arms record that are paid by the reward."""
+def traced(task, act, mode, path, reward=None):
+    """What three arms record that are paid by the reward, or by another one."""
     world = World(
-        IdealSimulator(), FD100, choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks"), reward_class(ends)()
+        IdealSimulator(),
+        FD100,
+        choose(REGISTRY, "tasks", task).build(REGISTRY, "tasks"),
+        reward or reward_class(ends)(),
     )
     with closing(world.open(3, autoreset_mode=mode)) as env:
         sizes = FD100.dof, env.episodes.action.shape[1]

@@ -69,7 +69,7 @@ def test_terms_that_change_are_an_error(by_script):
 def test_a_term_that_is_not_finite_is_named(by_script):
     """And not the reward, which it spoils."""
     reward = Paying(lambda step: {"reach": -step.distance, "odd": step.distance / (step.step != 4.0)})
-    with pytest.raises(SimulationDiverged, match="the term 'odd' pays 'creep' a number that is not finite at step 4"):
+    with pytest.raises(SimulationDiverged, match="the term 'odd' pays 'creep' inf, no number within"):
         score_rollout(reward, by_script["creep"])
 
 
@@ -95,7 +95,7 @@ def test_what_is_paid_after_the_end_does_not_count(by_script):
 def test_what_nothing_can_be_counted_with_is_an_error(by_script):
     """A sum of such numbers would be beyond all numbers."""
     huge = Paying(lambda sample: np.full(len(sample.step), 1e200))
-    with pytest.raises(SimulationDiverged, match=r"'hover' more than 1e\+150 at step 1"):
+    with pytest.raises(SimulationDiverged, match=r"'hover' 1e\+200, no number within 1e\+150, at step 1"):
         score_rollout(huge, by_script["hover"])
 
 

@@ -369,7 +369,7 @@ class Broken:
     [
         ("raise ZeroDivisionError('by\\nnothing')", " could not score the runs: ZeroDivisionError: by nothing"),
         ("return carry, np.full_like(sample.distance, np.nan)", "reward broken pays a number that is not finite, or"),
-        ("return carry, np.full_like(sample.distance, -1e151)", "or beyond 1e+150, on the runs of another reward"),
+        ("return carry, np.full_like(sample.distance, -1e151)", "or beyond 1e+150, on these runs"),
     ],
 )
 def test_reward_that_fails_on_other_runs(both, made, write_plugin, wrong, reason):

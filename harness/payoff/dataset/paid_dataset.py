@@ -25,8 +25,10 @@ from harness.log.log import (
     SEEN,
     SUCCESS as SUCCESS_NAME,
     TASK,
+    UNCOUNTABLE,
     Array,
     episode_sum,
+    is_countable,
     sums_from,
 )
 from harness.payoff.dataset.rewards import Recorded
@@ -34,7 +36,6 @@ from harness.payoff.dataset.steps import Movement, Payer, seen_after, steps_by_e
 from harness.record.dataset.labels import FAILURE, SUCCESS, UNKNOWN
 from harness.record.dataset.open_dataset import MOST_EPISODES, DatasetFacts, dataset_facts
 from harness.reward import Paid
-from harness.reward.reward import LARGEST_PAID
 from harness.reward.steps import ENDS
 
 if TYPE_CHECKING:
@@ -309,7 +310,7 @@ class _Kept:
         self._told.append(columns[LABEL] if LABEL in columns else np.full(len(rows), np.nan))
         episode.content.take(rows)
         own = columns.get(f"{REWARD}{RECORDED}", np.full(1, np.nan))
-        if not (np.abs(own) <= LARGEST_PAID).all():
+        if not is_countable(own).all():
             own = np.full(1, np.nan)
         episode.recorded, episode.last = episode.recorded + episode_sum(own), float(own[-1])
         for name, reward in self._rewards.items():
@@ -329,10 +330,9 @@ class _Kept:
         except (Exception, SystemExit) as error:  # a plugin may raise anything
             self._failed[name] = f"episode {episode.number}: {one_line(error)}"
             return
-        fits = np.abs(paid) <= LARGEST_PAID
+        fits = is_countable(paid)
         if not fits.all():
-            told = f"it pays a number that is not finite, or beyond {LARGEST_PAID:g}"
-            self._odd.setdefault(name, f"episode {episode.number}: ValueError: {told}")
+            self._odd.setdefault(name, f"episode {episode.number}: ValueError: it pays {UNCOUNTABLE}")
             self._lost[name].add(len(self.episodes) - 1)
         rest = np.full(len(rows) - len(paid), np.nan)
         total, *terms = (np.append(np.where(fits, of, np.nan), rest) for of in (paid, *found.terms.values()))

@@ -9,7 +9,7 @@ import numpy as np
 from harness.arrays import Float, Ints, Mask
 from harness.errors import SchemaError
 from harness.log import Log, Rows
-from harness.log.log import ACTION, BEFORE, INFO, LARGEST, OBSERVATION, SEEN, Array
+from harness.log.log import ACTION, BEFORE, INFO, OBSERVATION, SEEN, Array, is_countable
 from harness.reward import Paid
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def readable(rows: Rows, name: str) -> Mask:
         if values.dtype.kind not in "biuf":
             raise SchemaError(f"{name} holds {values.dtype}, no numbers")
         if values.dtype.kind == "f":
-            fits &= (np.abs(values) <= np.float64(LARGEST)).reshape(len(rows), -1).all(axis=1)
+            fits &= is_countable(values).reshape(len(rows), -1).all(axis=1)
     return fits
 
 
@@ -154,7 +154,7 @@ class Movement:
         moved[:seen], width = np.inf, change.shape[1]
         if not width:
             return
-        where = np.flatnonzero((change <= LARGEST).all(axis=1))
+        where = np.flatnonzero(is_countable(change).all(axis=1))
         change = change[where]
         if width in self._scale:
             moved[where] = self._far(change)

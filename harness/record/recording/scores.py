@@ -109,8 +109,6 @@ def read_scores(path: Path, steps: int) -> Log | None:
         rows = joined([*rows_of(file, path, file.schema_arrow.names)])
         columns = {log_column(name): values for name, values in rows.items()}
         facts = _facts(path, form, columns)
-        if any(np.isinf(values).any() for values in columns.values()):
-            raise SchemaError(f"{path} has infinite numbers")
         return in_memory(facts, columns)
 
 

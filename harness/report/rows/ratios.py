@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from harness.eta.curve import Kind
-from harness.eta.headline import Text, format_number, interval_text, value_text
+from harness.eta.headline import Text, format_number, interval_text, number_sentence, value_text
 from harness.eta.index import NOTHING, Estimate, Index
 from harness.eta.splits import Decomposition, Split, SplitPath, Splits, SumSplit
 from harness.eta.swaps import p_text
@@ -177,9 +177,10 @@ def _texts(index: Index) -> Iterator[str]:
 def eta_facts(comparison: "ComparedRuns") -> list[Fact]:
     """Two groups of recorded runs: the number in words first, then what it rests on."""
     notes = tuple(f"* {note}" for note in comparison.notes)
+    number = number_sentence(comparison.names, comparison.decomposition.splits)
     return [
         Fact(comparison_title(comparison), (runs_text(comparison), *notes)),
-        Fact(comparison.number, grids=tuple(eta_grids(comparison))),
+        Fact(number, grids=tuple(eta_grids(comparison))),
         Fact(lines=(scales_text("robot"),)),
     ]
 

@@ -54,19 +54,6 @@ class Told:
     per_step: str = ""
     ends: Mapping[str, Bounds] = field(default_factory=dict)
 
-    @property
-    def flags(self) -> list[str]:
-        """The flags of ``harness report`` that say the same again."""
-        name, better = self.deciding
-        measure = f"{name}{':better=' * bool(better)}{better}"
-        given = {
-            "--as": self.format, "--sort": self.sort, "--baseline": self.baseline, "--measure": measure,
-            "--labels": str(self.labels or ""), "--per-step": self.per_step,
-        }  # fmt: skip
-        left_out = (("--leave-out", str(path)) for path in self.leave_out)
-        ends = (("--ends", f"{name}={low:g},{high:g}") for name, (low, high) in self.ends.items())
-        return [text for flag, value in (*given.items(), *left_out, *ends) if value for text in (flag, value)]
-
     def steps_of(self, rewards: Collection[str]) -> dict[str, int]:
         """How many environment steps an iteration of each reward is.
 

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import Float, Ints, Mask
-from harness.log.log import sums_from
+from harness.errors import SimulationDiverged
+from harness.log.log import UNCOUNTABLE, is_countable, sums_from
 
 Actions: TypeAlias = NDArray[Any]
 """Those of one episode: (steps, action_size) inside the box, or (steps,) of choices."""
@@ -278,6 +279,8 @@ class World(ABC):
             length, how = ended.get(k, (len(steps), "cut"))
             self.taken += length * self.period
             of, saw = paid[:length, k], told[:length, k]
+            if not is_countable(of).all():
+                raise SimulationDiverged(f"the reward pays {UNCOUNTABLE}, in the episode of start {start}")
             terms = {name: of[:, 1 + at] for at, name in enumerate(self.terms)} or {REWARD: of[:, 0]}
             measures = {name: saw[:, at] for at, name in enumerate(self.measures)}
             shown.append(

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import Float, Ints
-from harness.arrays import read_only
+from harness.log.log import UNCOUNTABLE, is_countable
 from harness.payoff.rollout import Rollout, paid_along
 from harness.reward import Carry, Reward, pay
 from harness.reward.reward import take
@@ -69,7 +69,7 @@ def rows_of_rollouts(rollouts: Sequence[Rollout]) -> Rows:
         first += count * size
     rows = np.concatenate(numbers)
     columns = {
-        name: read_only(np.concatenate([part[name].reshape(-1, *part[name].shape[2:]) for part in parts])[rows])
+        name: np.concatenate([part[name].reshape(-1, *part[name].shape[2:]) for part in parts])[rows]
         for name in parts[0]
     }
     return Rows(columns, lengths, rows)
@@ -86,8 +86,8 @@ def ask_of(reward: Reward, rollouts: Sequence[Rollout], rows: Rows) -> Ask:
         after = {name: rows.columns[name][act + 1 if name == ACTION else end] for name in state}
         asked = step_between(state, after, *(rows.columns[name][begin] for name in (BEGIN, BEST, COUNT)))
         values = np.asarray(pay(reward, take(carry, begin), asked)[1].total, np.float64)
-        if not np.isfinite(values).all():
-            raise NoTransitionReward("asked about another step than the one taken, it pays a number that is not finite")
+        if not is_countable(values).all():
+            raise NoTransitionReward(f"asked about another step than the one taken, it pays {UNCOUNTABLE}")
         return values
 
     return ask

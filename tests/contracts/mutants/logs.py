@@ -333,7 +333,7 @@ MUTANTS = {
     "measures infinity": (
         "log-finite",
         holds(behaviour__height=lambda of: np.where(of["step"] == 5, np.inf, of["behaviour/height"])),
-        "is not below 1e+150",
+        "is beyond 1e+150",
     ),
     "leaves its bounds": (
         "log-finite",

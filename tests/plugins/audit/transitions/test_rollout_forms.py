@@ -131,7 +131,10 @@ def test_a_number_that_is_not_finite_is_a_reason(distances):
         return np.where(np.abs(step.distance - step.previous_distance) > 0.25, np.nan, step.action[:, 0])
 
     found = distances(GENTLE, reward_class(broken)())["EPIC"]
-    assert found == "other: asked about another step than the one taken, it pays a number that is not finite"
+    assert (
+        found
+        == "other: asked about another step than the one taken, it pays a number that is not finite, or beyond 1e+150"
+    )
 
 
 def test_starc_needs_a_discount(distances):
