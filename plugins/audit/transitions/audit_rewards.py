@@ -15,6 +15,7 @@ from harness.log.log import REWARD
 from harness.record import read_recording
 from harness.record.recording.facts import facts_of
 from harness.recorder.record_rewards import RecordRewards
+from harness.recorder.recorder import differs
 from harness.recorder.sealed import KeepWalks, Walk
 from harness.results.recordings.episodes import Episodes, count_text, episodes_of
 from harness.reward import Given
@@ -26,7 +27,7 @@ from ..questions import NO_SCRIPTS, NO_SUCCESS, deciding_measure, on_best, rank_
 from ..recorded.earned import RANDOM, earned_in_episodes
 from ..recorded.pair import pairs_in
 from ..recorded.pair_grid import SCALE
-from .asked import of_transitions
+from .asked import NoTransitionReward, of_transition
 from .canonical_forms import cover, forms_of, one_by_one
 
 GAMMA, EPISODES = 0.99, 10
@@ -101,9 +102,7 @@ def audit_rewards(
     pairs, _ = pairs_in([("", it.log) for it in taken], names, forms)
     acting = (RANDOM, *policies)
     by_policy = {policy: [it.of(number, episodes) for it in taken] for number, policy in enumerate(acting)}
-    earned = tuple(
-        earned_in_episodes(policy, each, names, tuple(behaviour or {})) for policy, each in by_policy.items()
-    )
+    earned = tuple(earned_in_episodes(policy, each, names, tuple(behaviour or {})) for policy, each in by_policy.items())
     everything = [it.episodes for it in taken]
     success, count = deciding_measure(everything), sum(len(it.log) for it in taken)
     name = made.spec.id if made.spec is not None else type(made.unwrapped).__name__
@@ -200,12 +199,17 @@ def _take(
 
 def _forms(taken: _Taken, rewards: ByName, gamma: float) -> dict[str, Mapping[str, Form]]:
     """Each reward in every canonical form, or why it has none."""
-    log = taken.log
-    pays, reasons = of_transitions(rewards, taken.walks, {name: log[f"{REWARD}{name}"] for name in rewards})
-    coverage = cover([len(walk.actions) for walk in taken.walks], taken.rng)
-    return {
-        name: forms_of(one_by_one(pays[name], taken.walks), gamma, coverage)
-        if name in pays
-        else dict.fromkeys(FORMS, reasons[name])
-        for name in rewards
-    }
+    coverage, found = cover([len(walk.actions) for walk in taken.walks], taken.rng), dict[str, Mapping[str, Form]]()
+    for name, given in rewards.items():
+        try:
+            ask = one_by_one(of_transition(name, given), taken.walks)
+            with np.errstate(all="ignore"):  # what is not finite is refused
+                again = ask(coverage.steps, coverage.steps, coverage.steps + 1)
+            if differs(again, taken.log[f"{REWARD}{name}"]).any():
+                raise NoTransitionReward(
+                    "asked again about a step, it pays something else: it looks at more than the transition"
+                )
+            found[name] = forms_of(ask, gamma, coverage)
+        except NoTransitionReward as error:
+            found[name] = dict.fromkeys(FORMS, str(error))
+    return found

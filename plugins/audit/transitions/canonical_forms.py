@@ -55,6 +55,7 @@ class Coverage:
     Attributes:
         begin: Of each row, the first one of its episode, (rows,).
         last: Likewise the last one.
+        steps: The rows that a step leaves, rising.
         chosen: The rows from which the steps that are compared lead to the next row, rising.
         actions: EPIC's A: the rows from which they were taken, (samples,).
         states: EPIC's S', as many.
@@ -62,6 +63,7 @@ class Coverage:
 
     begin: Ints
     last: Ints
+    steps: Ints
     chosen: Ints
     actions: Ints
     states: Ints
@@ -91,7 +93,7 @@ def cover(lengths: Sequence[int], rng: np.random.Generator, most: int = TRANSITI
     steps = np.flatnonzero(np.arange(len(last)) < last)
     chosen = np.unique(np.linspace(0, len(steps) - 1, min(most, len(steps))).round().astype(int))
     actions, states = (steps[rng.integers(len(steps), size=SAMPLES)] for _ in range(2))
-    return Coverage(last + 1 - np.repeat(rows, rows), last, steps[chosen], actions, states + 1)
+    return Coverage(last + 1 - np.repeat(rows, rows), last, steps, steps[chosen], actions, states + 1)
 
 
 def forms_of(ask: Ask, gamma: float, coverage: Coverage) -> dict[str, Form]:

@@ -2,6 +2,7 @@
 
 import pickle
 from contextlib import closing
+from types import SimpleNamespace
 
 import gymnasium
 import numpy as np
@@ -18,7 +19,7 @@ from harness.record import TraceWriter, read_recording, read_trace
 from harness.registry import Choice, build_defaults, choose, read_given
 from harness.score.scorer import pay_log
 from harness_plugins.audit.search.place import Place, world_at
-from harness_plugins.audit.transitions.environment import audit_environment
+from harness_plugins.audit.transitions.environment import audited
 from tests.refusals import refused
 from tests.registered import REGISTRY
 
@@ -177,7 +178,8 @@ def test_every_door_pays_alike(tmp_path):
         world.space.seed(3)
         shown = world.show(5, np.array([world.space.sample() for _ in range(40)]))
     assert_array_equal(shown.paid, live["reward/name"][: len(shown.paid)])
-    audit = audit_environment(task, REGISTRY, ["aarp", "arp:k2=3"], None, 0.9, 1)
+    asked = {"registry": REGISTRY, "named": task.label, "rewards": ["aarp", "arp:k2=3"], "gamma": 0.9, "episodes": 1}
+    (audit,), _ = audited(SimpleNamespace(**asked, against=None, success=""))
     assert audit.rewards == ("own", "aarp", "arp:k2=3")
 
 
