@@ -40,25 +40,34 @@ def are_numbers(values: Any) -> bool:
     return bool(np.all(is_countable(values)))
 
 
-def as_number(value: object) -> float:
-    """One number, as a float.
+def one_number(value: Any) -> float:
+    """One number, as a float; it may be none that can be counted with.
 
     Raises:
-        ValueError: It is of another shape, or not finite.
+        ValueError: It is of another shape.
         TypeError: It is no number.
     """
-    if isinstance(value, np.float64):  # what most envs pay: no array is made of it
-        return as_number(value.item())
-    if type(value) is not float:
-        array = np.asarray(value)
-        if array.shape != ():
-            raise ValueError(f"it is an array of shape {array.shape}, not one number")
-        if array.dtype.kind not in "biuf":
-            raise TypeError(f"it is {value!r}, no number")
-        return as_number(float(array))
-    if not is_countable(value):
-        raise ValueError(f"it is {uncountable_text(value)}")
-    return value
+    if isinstance(value, float):  # what most envs pay: no array is made of it
+        return float(value)
+    array = np.asarray(value)
+    if array.shape != ():
+        raise ValueError(f"it is an array of shape {array.shape}, not one number")
+    if array.dtype.kind not in "biuf":
+        raise TypeError(f"it is {value!r}, no number")
+    return float(array)
+
+
+def as_number(value: Any) -> float:
+    """The same, if it can be counted with.
+
+    Raises:
+        ValueError: It cannot, or is of another shape.
+        TypeError: It is no number.
+    """
+    number = one_number(value)
+    if not is_countable(number):
+        raise ValueError(f"it is {uncountable_text(number)}")
+    return number
 
 
 @dataclass(eq=False)

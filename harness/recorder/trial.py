@@ -8,7 +8,7 @@ import copy
 import math
 import pickle
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from harness.errors import Unscored, UsageError, sentence
 from harness.record.recording.facts import FILE_REWARD
-from harness.recorder.column import Column
+from harness.recorder.column import Column, one_number
 from harness.recorder.computing import only_computes
 from harness.recorder.guard import Asking, Guard, Raised, said
 from harness.recorder.limit import LONGEST
@@ -251,19 +251,18 @@ def _alike(answer: Any, again: Any) -> bool:
 class Guarded:
     """A reward that is asked again in its first steps, for what pays steps that were taken long ago."""
 
-    def __init__(self, given: Given, name: str, read: Callable[[Any], float]) -> None:
+    def __init__(self, given: Given, name: str) -> None:
         """Ask nothing yet.
 
         Args:
             given: A function, or terms by name.
             name: Of the reward.
-            read: Makes a number of what was returned for one.
 
         Raises:
             UsageError: It is no function.
         """
         noun = f"reward '{name}'"
-        self._column = Column(f"{FILE_REWARD}{name}", noun, opened(given, noun), read=read)
+        self._column = Column(f"{FILE_REWARD}{name}", noun, opened(given, noun), read=one_number)
         self._column.measures = [self._column.given]
         self._guard, self._is_watched = Guard(), not all(map(only_computes, self._column.parts))
         self._trial, self._steps = Trial(None, self._guard), 0

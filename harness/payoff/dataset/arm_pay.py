@@ -26,13 +26,13 @@ def of_arm(reward: Reward, places: ArmPlaces) -> Payer:
     def paid(rows: Rows) -> Paid:
         nonlocal is_lost
         seen = seen_after(rows)
-        after = vectors_of({name: values[:seen] for name, values in rows.columns.items()}, OBSERVATION)
+        after = vectors_of(rows.part(slice(seen)).columns, OBSERVATION)
         told = {**rows.columns, ACTION: flat_rows(rows, ACTION)}
         beside = {name: told[name] for name in (ACTION, *ENDS) if name in needed and name in told}
         with np.errstate(all="ignore"):  # what is not finite is refused by whoever asked
             try:
                 if rows["step"][0] <= 1:
-                    before = vectors_of({name: values[:1] for name, values in rows.columns.items()}, VECTORS[0])
+                    before = vectors_of(rows.part(slice(1)).columns, VECTORS[0])
                     begun = places.fields(before, needed)
                     begun |= {name: np.zeros_like(values[:1]) for name, values in beside.items()}
                     begin = places.distances(before)

@@ -51,21 +51,12 @@ def rewards_of(
     found: dict[str, Payer] = {}
     for name in names or (*there, *functions):
         if name in functions:
-            from harness.payoff.dataset.step_by_step import step_by_step
-
-            found[name] = step_by_step(name, functions[name].make())
+            found |= given_rewards({name: functions[name].make()}, places)
         elif name in there:
             found[name] = Recorded(name)
         else:
             choice = choose(registry, "rewards", name)
-            if places is None:
-                raise UsageError(
-                    f"The reward {choice.label} is paid by the distance from the end effector to the target: say where "
-                    "they stand in the observation, --places end_effector=0:3,target=3:6"
-                )
-            from harness.payoff.dataset.arm_pay import of_arm
-
-            found[choice.label] = of_arm(choice.build(registry, "rewards"), places)
+            found |= given_rewards({choice.label: choice.build(registry, "rewards")}, places)
     if not found:
         broken = " ".join(registry.broken_files())
         untold = not (facts.success or labelled)
@@ -78,20 +69,24 @@ def rewards_of(
 
 
 def given_rewards(rewards: Mapping[str, Any], places: "ArmPlaces | None") -> dict[str, Payer]:
-    """Rewards that Python gives: those of a step, see `harness.reward.given`, and those of an arm.
+    """Rewards as objects: those of a step, see `harness.reward.given`, and those of an arm.
 
     Raises:
         UsageError: An arm's reward has no map of places.
     """
-    from harness.payoff.dataset.arm_pay import of_arm
-    from harness.payoff.dataset.step_by_step import step_by_step
-
     found: dict[str, Payer] = {}
     for name, given in rewards.items():
         if not hasattr(given, "initial_carry"):
+            from harness.payoff.dataset.step_by_step import step_by_step
+
             found[name] = step_by_step(name, given)
         elif places is None:
-            raise UsageError(f"The reward {name!r} needs places='end_effector=0:3,target=3:6'")
+            raise UsageError(
+                f"The reward {name} is paid by the distance from the end effector to the target: say where they stand "
+                "in the observation, --places end_effector=0:3,target=3:6"
+            )
         else:
+            from harness.payoff.dataset.arm_pay import of_arm
+
             found[name] = of_arm(given, places)
     return found

@@ -8,7 +8,6 @@ import numpy as np
 
 from harness.log import Rows
 from harness.payoff.dataset.steps import VECTORS, Payer, each_row, infos_of, readable, seen_after, vectors_of
-from harness.recorder.column import as_number
 from harness.recorder.sealed import ReadOnlyDict
 from harness.recorder.trial import Guarded
 from harness.reward import Paid, Steps
@@ -113,19 +112,4 @@ def step_by_step(name: str, given: Given) -> Payer:
     Raises:
         UsageError: It is none.
     """
-    return _StepByStep(Guarded(given, name, number_or_nan))
-
-
-def number_or_nan(value: Any) -> float:
-    """One number; NaN where it is infinite too, since such a step has no pay, whatever the other steps have.
-
-    Raises:
-        ValueError: It is of another shape.
-        TypeError: It is no number.
-    """
-    try:
-        return as_number(value)
-    except ValueError:
-        if np.ndim(value):
-            raise
-        return math.nan
+    return _StepByStep(Guarded(given, name))

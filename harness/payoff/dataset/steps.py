@@ -1,5 +1,6 @@
 """The steps of a data set, an episode after the other, and what a reward is given of them."""
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -27,9 +28,9 @@ INDEX = "_index_"
 VECTORS = (f"{BEFORE}{OBSERVATION}", OBSERVATION, ACTION)
 
 
-def is_under(column: str, name: str) -> bool:
-    """Whether a column is what is asked for, or a part of it: ``observation/goal`` of ``observation``."""
-    return column == name or column.startswith(f"{name}/")
+def parts_of(rows: Rows, name: str) -> list[Array]:
+    """The columns of an observation or an action, or of its parts: ``observation/goal`` of ``observation``."""
+    return [values for column, values in rows.columns.items() if column == name or column.startswith(f"{name}/")]
 
 
 def steps_by_episode(log: Log, columns: Iterable[str]) -> Iterator[Rows]:
@@ -64,7 +65,7 @@ def readable(rows: Rows, name: str) -> Mask:
         SchemaError: They are no numbers.
     """
     fits = np.ones(len(rows), bool)
-    for values in (values for column, values in rows.columns.items() if is_under(column, name)):
+    for values in parts_of(rows, name):
         if values.dtype.kind not in "biuf":
             raise SchemaError(f"{name} holds {values.dtype}, no numbers")
         if values.dtype.kind == "f":
@@ -120,8 +121,7 @@ def _row(rows: Nested, row: int) -> Nested:
 
 def flat_rows(rows: Rows, name: str) -> Float:
     """All numbers of each observation or action, (rows, numbers)."""
-    parts = [values for column, values in rows.columns.items() if is_under(column, name)]
-    flat = [np.asarray(part, np.float64).reshape(len(part), -1) for part in parts]
+    flat = [np.asarray(part, np.float64).reshape(len(part), -1) for part in parts_of(rows, name)]
     return np.concatenate(flat, axis=1) if flat else np.empty((len(rows), 0))
 
 
@@ -137,8 +137,7 @@ class Movement:
 
     def __init__(self, places: "ArmPlaces | None") -> None:
         self._places = places
-        self._waiting: dict[int, list[tuple[Float, Ints, Float]]] = {}
-        self._count: dict[int, int] = {}
+        self._waiting = defaultdict[int, list[tuple[Float, Ints, Float]]](list)
         self._scale: dict[int, Float] = {}
         self._moved: list[Float] = []
 
@@ -159,9 +158,8 @@ class Movement:
         if width in self._scale:
             moved[where] = self._far(change)
         else:
-            self._waiting.setdefault(width, []).append((moved, where, change))
-            self._count[width] = self._count.get(width, 0) + len(where)
-            if self._count[width] >= LEARNT:
+            self._waiting[width].append((moved, where, change))
+            if sum(len(told) for _, told, _ in self._waiting[width]) >= LEARNT:
                 self._learn(width)
 
     def end(self) -> Float:
