@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -56,7 +57,7 @@ def rescore(log: Log, scoring: Collection[Choice], into: Path, registry: Registr
         else:
             columns |= {label: paid.total, **{f"{label}/{name}": values for name, values in paid.terms.items()}}
     if columns:
-        _write(into, columns)
+        write_scores(into, _kept(into, len(next(iter(columns.values())))) | columns)
     return failed
 
 
@@ -82,22 +83,30 @@ def scoring_choice(text: str, registry: Registry, logs: Iterable[Log]) -> Choice
     return choose(registry, "rewards", text)  # which says that there is none
 
 
-def _write(into: Path, columns: Mapping[str, Float]) -> None:
-    kept: dict[str, pa.ChunkedArray] = {}
-    rows = len(next(iter(columns.values())))
-    if into.exists() and into.name not in changed_since_made(into.parent):
-        with reading(into, "file of scores", UsageError):
-            file = open_parquet(into, MOST_BYTES)
-            if file.metadata.num_rows != rows:
-                told = f"{into} has {file.metadata.num_rows} rows, the recording {rows}: it belongs to another one"
-                raise UsageError(told)
-            require_room(into, file)
-            table = file.read()
-            kept = dict(zip(table.column_names, table.columns, strict=True))
+def _kept(into: Path, rows: int) -> dict[str, Any]:
+    """The columns that a file of scores holds already."""
+    if not into.exists() or into.name in changed_since_made(into.parent):
+        return {}
+    with reading(into, "file of scores", UsageError):
+        file = open_parquet(into, MOST_BYTES)
+        if file.metadata.num_rows != rows:
+            told = f"{into} has {file.metadata.num_rows} rows, the recording {rows}: it belongs to another one"
+            raise UsageError(told)
+        require_room(into, file)
+        table = file.read()
+        return dict(zip(table.column_names, table.columns, strict=True))
+
+
+def write_scores(into: Path, columns: Mapping[str, Any]) -> None:
+    """Write what rewards pay each row, (rows,), and nothing else.
+
+    Raises:
+        UsageError: The file cannot be written.
+    """
     try:
         into.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(into) as partial:
-            pq.write_table(pa.table({**kept, **columns}), partial, compression="zstd")
+            pq.write_table(pa.table(dict(columns)), partial, compression="zstd")
         if (into.parent / MANIFEST).exists():
             note_made(into)  # behind the manifest, which names what the cell itself left
     except OSError as error:

@@ -35,7 +35,7 @@ from .audit import Audit, OfScripts
 from .distance import compare_forms
 from .probe import needed_beside_distances
 from .properties import properties_of, workspace_ratios
-from .recorded.earned import earned_in_episodes
+from .recorded.earned import earned_by
 from .recorded.pair import Paid, compare_paid, pair_of
 from .recorded.pair_grid import SCALE
 from .search.place import GAMMA_OF_ARM, arm_at, places_on_task
@@ -122,7 +122,7 @@ def audit_reward(
         rewards=tuple(by_name),
         pairs=(pair,),
         earned=tuple(
-            earned_in_episodes(
+            earned_by(
                 rollout.script,
                 [_episodes(rollout, {who: each[at] for who, each in by_name.items()})],
                 tuple(by_name),

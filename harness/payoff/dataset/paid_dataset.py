@@ -4,12 +4,12 @@ import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.arrays import Float, Float32, Ints, Mask
+from harness.arrays import Float, Ints, Mask
 from harness.errors import HarnessError, SchemaError, Unscored, one_line
 from harness.log import Log, Rows
 from harness.log.log import (
@@ -67,12 +67,8 @@ class Fingerprint:
     def _add(self, name: str, values: Array) -> None:
         if name not in self._parts:
             self._parts[name] = hashlib.blake2b(digest_size=16)
-        self._parts[name].update(_packed(values).tobytes())
-
-
-def _packed(values: Array) -> Float32:
-    with np.errstate(over="ignore", invalid="ignore"):
-        return np.ascontiguousarray(values, np.float32) + np.float32(0.0)
+        with np.errstate(over="ignore", invalid="ignore"):
+            self._parts[name].update((np.ascontiguousarray(values, np.float32) + np.float32(0.0)).tobytes())
 
 
 MOST_STEPS = 20_000_000
@@ -94,13 +90,7 @@ class PaidDataset:
         moved: How far each step moved, (steps,), relative to the others; NaN where nothing is known of what was seen
             after it, infinite where observations hold no finite numbers.
         begins: Number of the first step of each episode, and behind the last the number of all steps, (episodes + 1,).
-        numbers: Of the episodes in the data set, (episodes,).
-        told: `SUCCESS`, `FAILURE` or `UNKNOWN`, (episodes,).
-        shown_last: Which episodes are a success by their last step alone, (episodes,).
-        recorded: What the data set's own reward pays each episode, and its last step, (episodes, 2); NaN without one.
-        operators: Who made each episode; empty texts if nothing says it.
-        tasks: What each episode does; empty texts if nothing says it.
-        files: Where each lies.
+        episodes: What is known of each.
         all_numbers: Of all episodes, also of those that are left out.
         notes: What was left out, a line each.
         told_by: The reward whose pay says what succeeded; empty if something else does.
@@ -113,31 +103,29 @@ class PaidDataset:
     lost: Mapping[str, Mask]
     moved: Float
     begins: Ints
-    numbers: Ints
-    told: NDArray[np.int8]
-    shown_last: Mask
-    recorded: Float
-    operators: tuple[str, ...]
-    tasks: tuple[str, ...]
-    files: tuple[str, ...]
+    episodes: Sequence["Episode"]
     all_numbers: frozenset[int]
     notes: tuple[str, ...] = ()
     told_by: str = ""
     terms: Mapping[str, Mapping[str, Float]] = field(default_factory=dict)
 
     def __len__(self) -> int:
-        return len(self.numbers)
+        return len(self.episodes)
+
+    def each(self, what: str) -> NDArray[Any]:
+        """Something of each episode, by its name, (episodes,)."""
+        return np.array([getattr(it, what) for it in self.episodes])
 
     @property
     def known(self) -> Mask:
         """The episodes of which something says whether they succeeded, (episodes,)."""
-        known: Mask = self.told != UNKNOWN
+        known: Mask = self.each("success") != UNKNOWN
         return known
 
     @property
     def succeeded(self) -> Mask:
         """Those that did."""
-        succeeded: Mask = self.told == SUCCESS
+        succeeded: Mask = self.each("success") == SUCCESS
         return succeeded
 
     @property
@@ -208,7 +196,7 @@ class Labels:
     by_episode: Mapping[int, int] | None = None
     above: float | None = None
 
-    def of(self, episodes: Sequence["_Episode"]) -> NDArray[np.int8]:
+    def of(self, episodes: Sequence["Episode"]) -> NDArray[np.int8]:
         """Labels of episodes."""
         if self.by_episode is not None:
             return np.array([self.by_episode.get(it.number, UNKNOWN) for it in episodes], np.int8)
@@ -267,8 +255,21 @@ DESCRIBING = ("episode", "step", OPERATOR, TASK, FILE)
 
 
 @dataclass
-class _Episode:
-    """What is known of one so far."""
+class Episode:
+    """What is known of one so far.
+
+    Attributes:
+        number: In the data set.
+        operator: Who made it; empty if nothing says it.
+        file: Where it lies.
+        begin: Number of its first step, among all that were read.
+        content: A digest of it.
+        tasks: What its steps do.
+        recorded: What the data set's own reward pays it; NaN without one.
+        last: What that pays its last step.
+        success: `SUCCESS`, `FAILURE` or `UNKNOWN`.
+        shown_last: Whether it is a success by its last step alone.
+    """
 
     number: int
     operator: str
@@ -278,6 +279,8 @@ class _Episode:
     tasks: set[str] = field(default_factory=set)
     recorded: float = 0.0
     last: float = np.nan
+    success: int = UNKNOWN
+    shown_last: bool = False
 
     @property
     def task(self) -> str:
@@ -295,7 +298,7 @@ class _Kept:
         self._odd: dict[str, str] = {}
         self._lost: dict[str, set[int]] = {name: set() for name in rewards}
         self._told: list[Float] = []
-        self.episodes: list[_Episode] = []
+        self.episodes: list[Episode] = []
         self.steps = 0
 
     def take(self, rows: Rows) -> int:
@@ -304,7 +307,7 @@ class _Kept:
         if not self.episodes or self.episodes[-1].number != rows["episode"][0]:
             operator, file = (str(columns[name][0]) if name in columns else "" for name in (OPERATOR, FILE))
             begin = self.steps - len(rows)
-            self.episodes.append(_Episode(int(rows["episode"][0]), operator, file, begin, Fingerprint()))
+            self.episodes.append(Episode(int(rows["episode"][0]), operator, file, begin, Fingerprint()))
         episode = self.episodes[-1]
         episode.tasks |= {*columns[TASK].tolist()} if TASK in columns else {""}
         self._told.append(columns[LABEL] if LABEL in columns else np.full(len(rows), np.nan))
@@ -318,10 +321,10 @@ class _Kept:
                 self._pay(name, reward, rows, episode)
         return seen_after(rows)
 
-    def _pay(self, name: str, reward: Payer, rows: Rows, episode: _Episode) -> None:
+    def _pay(self, name: str, reward: Payer, rows: Rows, episode: Episode) -> None:
         try:
             found = reward(rows)
-            paid = np.asarray(found.total, np.float64)
+            paid = np.array([found.total, *found.terms.values()], np.float64)
         except Unscored as error:
             self._failed[name] = f"episode {episode.number}: {error}"
             return
@@ -330,12 +333,12 @@ class _Kept:
         except (Exception, SystemExit) as error:  # a plugin may raise anything
             self._failed[name] = f"episode {episode.number}: {one_line(error)}"
             return
-        fits = is_countable(paid)
+        fits = is_countable(paid).all(axis=0)
         if not fits.all():
             self._odd.setdefault(name, f"episode {episode.number}: ValueError: it pays {UNCOUNTABLE}")
             self._lost[name].add(len(self.episodes) - 1)
-        rest = np.full(len(rows) - len(paid), np.nan)
-        total, *terms = (np.append(np.where(fits, of, np.nan), rest) for of in (paid, *found.terms.values()))
+        rest = np.full(len(rows) - len(fits), np.nan)
+        total, *terms = (np.append(np.where(fits, of, np.nan), rest) for of in paid)
         self._paid[name].append(Paid(total, dict(zip(found.terms, terms, strict=True))))
 
     def end(self, facts: DatasetFacts, moved: Float, labels: Labels | None) -> PaidDataset:
@@ -347,7 +350,8 @@ class _Kept:
             shown_last = success == SUCCESS  # nobody says by which step
         chosen, notes = _choose(self.episodes, success, facts.pictures_left_out)
         steps = np.repeat(chosen, np.diff(begins))
-        members = [it for it, stays in zip(self.episodes, chosen, strict=True) if stays]
+        for it, told, last in zip(self.episodes, success.tolist(), shown_last.tolist(), strict=True):
+            it.success, it.shown_last = told, last
         failed, lost, paid = {**self._failed}, dict[str, Mask](), dict[str, Paid]()
         for name, parts in self._paid.items():
             if name in self._failed:
@@ -367,13 +371,7 @@ class _Kept:
             lost,
             moved[steps],
             np.concatenate([[0], np.cumsum(np.diff(begins)[chosen])]).astype(np.int64),
-            np.array([it.number for it in members], np.int64),
-            success[chosen],
-            shown_last[chosen],
-            np.array([(it.recorded, it.last) for it in members]),
-            tuple(it.operator for it in members),
-            tuple(it.task for it in members),
-            tuple(it.file for it in members),
+            [it for it, stays in zip(self.episodes, chosen, strict=True) if stays],
             frozenset(it.number for it in self.episodes),
             notes,
             facts.told_by if labels is None else RECORDED if labels.above is not None else "",
@@ -406,7 +404,7 @@ def _told_of(told: Float, begins: Ints) -> tuple[NDArray[np.int8], Mask]:
 
 
 def _choose(
-    episodes: list[_Episode], success: NDArray[np.int8], pictures_left_out: bool
+    episodes: list[Episode], success: NDArray[np.int8], pictures_left_out: bool
 ) -> tuple[Mask, tuple[str, ...]]:
     """Which episodes are used, and what is told of the others. Of equal ones the first is, with what any says.
 

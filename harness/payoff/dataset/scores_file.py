@@ -4,12 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from harness.errors import UsageError
-from harness.files.bounded import whole_file
 from harness.payoff.dataset.paid_dataset import PaidDataset
 from harness.record.folder import SCORES
+from harness.score.rescore import write_scores
 
 
 def scores_place(folder: Path, out: Path | None) -> Path:
@@ -30,12 +29,7 @@ def write_dataset_scores(paid: PaidDataset, path: Path) -> None:
         raise UsageError(f"Nothing is written, since no reward pays {paid.facts.name}: {told}")
     lengths = np.diff(paid.begins)
     steps = np.arange(paid.steps) - np.repeat(paid.begins[:-1], lengths)
-    columns = {"episode": np.repeat(paid.numbers, lengths), "step": steps}
+    columns = {"episode": np.repeat(paid.each("number"), lengths), "step": steps}
     terms = {f"{name}/{term}": values for name, of in paid.terms.items() for term, values in of.items()}
     columns |= {name: pa.array(values, from_pandas=True) for name, values in {**paid.paid, **terms}.items()}
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(path) as partial:
-            pq.write_table(pa.table(columns), partial, compression="zstd")
-    except OSError as error:
-        raise UsageError(f"'{path}' cannot be written: {error.strerror}. Name another folder with --out") from None
+    write_scores(path, columns)

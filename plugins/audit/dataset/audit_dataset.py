@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness import Float, Ints, Mask
 from harness.errors import UsageError
@@ -24,7 +23,7 @@ from harness.record.dataset.labels import parse_success, read_labels
 from harness.record.dataset.open_dataset import dataset_facts, open_dataset
 from harness.registry import Registry, load_registry
 
-from ..recorded.pair import Paid, Pair, compare_paid, pair_of
+from ..recorded.pair import Mean, Paid, Pair, compare_paid, pair_of
 from ..subject import Answered, Asked
 from .dataset_audit import DatasetAudit, PaidStep, RewardAnswer, WrongPair
 
@@ -41,40 +40,52 @@ LOST = "it pays no finite number in some episodes, which could change the order"
 OWN = "success is told by this very reward"
 
 
-def _ranked(
-    name: str,
-    sides: Sequence[PaidDataset],
-    above: Mask,
-    known: Mask,
-    clusters: Ints,
-    tasks: NDArray[Any],
-) -> Auc:
+@dataclass(frozen=True, eq=False)
+class _Compared:
+    """Episodes of which some should be paid more than the others.
+
+    Attributes:
+        sides: A data set whose successes are compared with its failures; or one, and that of a beginner.
+        above: Which of their episodes should be paid more.
+        known: Of which that is known.
+        clusters: Number of each episode's cluster: those of one resemble one another.
+        tasks: Number of each episode's task; only those of one task are compared.
+    """
+
+    sides: Sequence[PaidDataset]
+    above: Mask
+    known: Mask
+    clusters: Ints
+    tasks: Ints
+
+    def rank(self, returns: Float, told: Mask) -> Auc:
+        """How numbers rank those of the episodes that are known, and told."""
+        told = told & self.known
+        return auc_of(returns[told], self.above[told], self.clusters[told], self.tasks[told])
+
+
+def _ranked(name: str, compared: _Compared) -> Auc:
     """How a reward ranks episodes, without a word where what could not be paid might change it.
 
     A step that could not be paid pays no less and no more than the function pays any other step. But where success
     shows in that step alone, as where a function paid no finite number, it may pay anything.
-
-    Args:
-        name: The reward.
-        sides: A data set whose successes are compared with its failures; or one, and that of a beginner.
-        above: Which episodes of these should be paid more.
-        known: Of which that is known.
-        clusters: Of each episode.
-        tasks: Of each episode.
     """
+    sides = compared.sides
     returns, lost, unpaid = (
         np.concatenate([getattr(it, what)[name] for it in sides]) for what in ("returns", "lost", "unpaid")
     )
-    told, paid = known & ~lost, sides[0]
-    auc = auc_of(returns[told], above[told], clusters[told], tasks[told])
+    auc, paid = compared.rank(returns, ~lost), sides[0]
     if auc.answer == CANNOT_TELL or not (unpaid.any() or lost.any()):
         return auc
-    if len(sides) == 1 and unpaid.any() and _last_step_decides(paid, clusters, tasks):
-        return replace(auc, answer=CANNOT_TELL, reason=DECIDES)
-    for best in (above, ~above):
+    if len(sides) == 1 and unpaid.any():
+        whole, last = paid.each("recorded"), paid.each("last")
+        known = ~np.isnan(whole)
+        if len({compared.rank(it, known).answer for it in (whole, whole - last)}) > 1:
+            return replace(auc, answer=CANNOT_TELL, reason=DECIDES)
+    for best in (compared.above, ~compared.above):
         parts = zip(sides, np.split(best, [len(paid)]), strict=False)
         moved = np.concatenate([_moved(it, name, part) for it, part in parts])
-        if auc_of(moved[known], above[known], clusters[known], tasks[known]).answer != auc.answer:
+        if compared.rank(moved, compared.known).answer != auc.answer:
             return replace(auc, answer=CANNOT_TELL, reason=UNPAID if paid.unpaid[name].any() else LOST)
     return auc
 
@@ -85,19 +96,9 @@ def _moved(paid: PaidDataset, name: str, best: Mask) -> Float:
     seen = steps[~np.isnan(steps)]
     unpaid, returns = paid.unpaid[name], paid.returns[name]
     moved = returns + np.where(unpaid, np.where(best, seen.max(initial=0.0), seen.min(initial=0.0)), 0.0)
-    anything = paid.lost[name] | (unpaid & paid.shown_last)
+    anything = paid.lost[name] | (unpaid & paid.each("shown_last"))
     far = 1.0 + float(np.ptp(moved))
     return np.where(anything, np.where(best, moved.max() + far, moved.min() - far), moved)
-
-
-def _last_step_decides(paid: PaidDataset, clusters: Ints, tasks: Ints) -> bool:
-    """Whether the recorded reward would get another answer without its last steps."""
-    whole, last = paid.recorded.T
-    known, success = paid.known & ~np.isnan(whole), paid.succeeded
-    if not known.any():
-        return False
-    answers = (auc_of(it[known], success[known], clusters[known], tasks[known]).answer for it in (whole, whole - last))
-    return len({*answers}) > 1
 
 
 def lines_of(paid: PaidDataset, name: str) -> tuple[str, ...]:
@@ -107,7 +108,7 @@ def lines_of(paid: PaidDataset, name: str) -> tuple[str, ...]:
     if unpaid.any():
         lines.append(f"not paid the last step of {int(unpaid.sum()):,} episodes, since it looks at what came then")
     if lost.any():
-        first = int(paid.numbers[lost][0])
+        first = paid.each("number")[lost][0]
         lines.append(
             f"left out of this answer, since it pays no finite number there: {int(lost.sum()):,} episodes "
             f"(the first is {first})"
@@ -122,25 +123,6 @@ BLOCKS = 10
 UNTOLD = "Nothing says which episodes"
 FILE = "file"
 """What `--cluster` says for episodes of one file to count as alike."""
-
-
-@dataclass(frozen=True)
-class _Grouped:
-    """How episodes belong together.
-
-    Attributes:
-        noun: What intervals are over.
-        clusters: Number of each episode's cluster.
-        tasks: Number of each episode's task; only those of one task are compared.
-        names: Of the tasks.
-        untold: How many episodes nothing says the operator of, though it does of others.
-    """
-
-    noun: str
-    clusters: Ints
-    tasks: Ints
-    names: tuple[str, ...]
-    untold: int
 
 
 def audit_dataset(
@@ -213,10 +195,9 @@ def audit_dataset(
 
 
 def _outside(success: str, labels: str | Path | None, success_above: float | None) -> Labels | None:
-    if labels is not None and success_above is not None:
-        raise UsageError("--labels and --success-above both say what succeeded: leave out one")
-    if success_above is not None and success:
-        raise UsageError("--success and --success-above both say what succeeded: leave out one")
+    for flag, given in (("--labels", labels), ("--success", success)):
+        if given and success_above is not None:
+            raise UsageError(f"{flag} and --success-above both say what succeeded: leave out one")
     if success_above is not None and not np.isfinite(success_above):
         raise UsageError(f"--success-above {success_above}: give a finite return")
     if labels is not None:
@@ -241,29 +222,42 @@ def judge(paid: PaidDataset, below: PaidDataset | None, places: "ArmPlaces | Non
         places: By which standing still was told; None for all numbers of an observation.
         by_file: Whether episodes of one file count as alike, and not those of one operator.
     """
-    grouped = _grouped(paid, by_file)
-    groups = grouped.clusters
+    noun, clusters = _clusters(paid, by_file)
+    names, tasks = np.unique(paid.each("task"), return_inverse=True)
+    compared, level = _Compared([paid], paid.succeeded, paid.known, clusters, tasks), None
+    if below is not None:
+        under = below.each("task")
+        both = np.concatenate([paid.each("task"), under])
+        level = _Compared(
+            [paid, below],
+            np.arange(len(both)) < len(paid),
+            np.ones(len(both), bool),
+            np.concatenate([clusters, clusters.max() + 1 + _clusters(below, by_file)[1]]),
+            np.unique(both, return_inverse=True)[1] * (len(names) > 1 or len({*under.tolist()}) > 1),
+        )
     known = np.isfinite(paid.moved)
     still, lengths = paid.summed(paid.still.astype(np.float64)), paid.summed(known.astype(np.float64))
     return DatasetAudit(
         paid.facts,
-        None if below is None else below.facts,
+        None if below is None else below.facts.name,
         len(paid),
         paid.steps,
         int(paid.succeeded.sum()),
         int((paid.known & ~paid.succeeded).sum()),
-        (grouped.noun, int(groups.max()) + 1),
-        share_of(still, lengths, groups),
-        tuple(_answer(paid, below, name, grouped, by_file) for name in paid.paid),
-        _pairs(paid, groups),
+        (noun, int(clusters.max()) + 1),
+        Mean(**vars(share_of(still, lengths, clusters))),
+        tuple(_answer(name, compared, level) for name in paid.paid),
+        _pairs(paid, clusters),
         {**(below.failed if below else {}), **paid.failed},
-        tuple(_notes(paid, below, grouped, places)),
-        grouped.names,
+        tuple(_notes(paid, below, noun, len(names), places)),
+        tuple(names.tolist()),
         paid.facts.success,
     )
 
 
-def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, places: "ArmPlaces | None") -> list[str]:
+def _notes(
+    paid: PaidDataset, below: PaidDataset | None, noun: str, tasks: int, places: "ArmPlaces | None"
+) -> list[str]:
     """What was left out, and what to keep in mind."""
     notes = [*paid.facts.notes, *paid.notes]
     notes += [f"{below.facts.name}: {line}" for line in (*below.facts.notes, *below.notes)] if below else []
@@ -276,10 +270,10 @@ def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, plac
     elif unknown:
         notes.append(f"Episodes left out, since nothing says whether they succeeded: {unknown:,}")
     declared = paid.facts.declared.get("tasks")
-    if declared is not None and declared != len(grouped.names):
-        notes.append(f"The metadata declares {declared:,} tasks, and {len(grouped.names):,} are in what is used")
-    if grouped.untold:
-        notes.append(f"Nothing says who made {grouped.untold:,} of the episodes: each of them counts by itself")
+    if declared is not None and declared != tasks:
+        notes.append(f"The metadata declares {declared:,} tasks, and {tasks:,} are in what is used")
+    if noun == "operators" and (untold := int((paid.each("operator") == "").sum())):
+        notes.append(f"Nothing says who made {untold:,} of the episodes: each of them counts by itself")
     unseen = int(np.isnan(paid.moved[paid.begins[1:] - 1]).sum())
     if unseen:
         notes.append(
@@ -291,87 +285,71 @@ def _notes(paid: PaidDataset, below: PaidDataset | None, grouped: _Grouped, plac
     return notes
 
 
-def _grouped(paid: PaidDataset, by_file: bool) -> _Grouped:
-    """What intervals are over, and what is compared."""
-    names, tasks = np.unique(np.array(paid.tasks, object).astype(str), return_inverse=True)
-    noun, clusters, untold = "episodes", np.arange(len(paid)), 0
+def _clusters(paid: PaidDataset, by_file: bool) -> tuple[str, Ints]:
+    """What intervals are over, and its number of each episode."""
     if by_file:
-        noun, clusters = "files", np.unique(paid.files, return_inverse=True)[1]
-    elif any(paid.operators):
-        each = [who or f"\0{number}" for number, who in enumerate(paid.operators)]
-        noun, clusters = "operators", np.unique(each, return_inverse=True)[1]
-        untold = sum(not who for who in paid.operators)
-    return _Grouped(noun, clusters.astype(np.int64), tasks, tuple(names.tolist()), untold)
+        return "files", np.unique(paid.each("file"), return_inverse=True)[1]
+    if any(it.operator for it in paid.episodes):
+        each = [it.operator or f"\0{number}" for number, it in enumerate(paid.episodes)]
+        return "operators", np.unique(each, return_inverse=True)[1]
+    return "episodes", np.arange(len(paid))
 
 
-def _answer(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _Grouped, by_file: bool) -> RewardAnswer:
-    known, returns, steps = paid.known & ~paid.lost[name], paid.returns[name], np.nan_to_num(paid.paid[name])
-    success = paid.succeeded
+def _answer(name: str, compared: _Compared, level: _Compared | None) -> RewardAnswer:
+    (paid,), clusters = compared.sides, compared.clusters
+    steps = np.nan_to_num(paid.paid[name])
     earned = np.where(~np.isfinite(paid.moved), 0.0, np.maximum(steps, 0.0))
-    groups, tasks = grouped.clusters, grouped.tasks
-    held = _ranked(name, [paid], success, paid.known, groups, tasks)
+    held = _ranked(name, compared)
     if name == paid.told_by and held.answer != CANNOT_TELL:  # both what says what succeeds and what is asked about
         held = replace(held, answer=CANNOT_TELL, reason=OWN)
     return RewardAnswer(
         name,
         held,
-        _by_level(paid, below, name, grouped, by_file),
-        _wrong(rounded(returns), success, known, tasks),
-        _most_wrong(paid, name, known, tasks),
-        share_of(paid.summed(np.where(paid.still, earned, 0.0)), paid.summed(earned), groups),
+        None if level is None or name not in level.sides[1].paid else _ranked(name, level),
+        *_wrong(name, compared),
+        Mean(**vars(share_of(paid.summed(np.where(paid.still, earned, 0.0)), paid.summed(earned), clusters))),
         _most_paid(paid, paid.paid[name]),
         lines_of(paid, name),
     )
 
 
-def _by_level(paid: PaidDataset, below: PaidDataset | None, name: str, grouped: _Grouped, by_file: bool) -> Auc | None:
-    if below is None or name not in below.paid:
-        return None
-    under = _grouped(below, by_file)
-    count = len(paid) + len(below)
-    clusters = np.concatenate([grouped.clusters, grouped.clusters.max() + 1 + under.clusters])
-    several = len(grouped.names) > 1 or len(under.names) > 1
-    tasks = np.array([*paid.tasks, *below.tasks] if several else [""] * count)
-    return _ranked(name, [paid, below], np.arange(count) < len(paid), np.ones(count, bool), clusters, tasks)
+def _wrong(name: str, compared: _Compared) -> tuple[int, tuple[WrongPair, ...]]:
+    """How many failures are paid more than a success of their task, and the pairs that differ most.
 
-
-def _wrong(returns: Float, success: Mask, known: Mask, tasks: Ints) -> int:
-    """Pairs of one task in which the failure is paid more."""
-    count = 0
-    for task in np.unique(tasks):
-        here = known & (tasks == task)
-        best = np.sort(returns[here & ~success])
-        count += int((len(best) - np.searchsorted(best, returns[here & success], side="right")).sum())
-    return count
-
-
-def _most_wrong(paid: PaidDataset, name: str, known: Mask, tasks: Ints) -> tuple[WrongPair, ...]:
-    """The worst paid success of a task beside its best paid failure, the next worst beside the next best, and so on."""
-    returns, found = paid.returns[name], list[tuple[int, int]]()
+    They are the worst paid success of a task beside its best paid failure, the next worst beside the next best, and so
+    on.
+    """
+    (paid,) = compared.sides
+    known, returns, steps = compared.known & ~paid.lost[name], paid.returns[name], np.nan_to_num(paid.paid[name])
+    equal, count, found = rounded(returns), 0, list[tuple[int, int]]()
     low, high = (np.argsort(of, kind="stable") for of in (returns, -returns))
-    for task in np.unique(tasks[known]):
-        here = known & (tasks == task)
-        of_task = low[(here & paid.succeeded)[low]], high[(here & ~paid.succeeded)[high]]
+    for task in np.unique(compared.tasks[known]):
+        success, failure = (known & (compared.tasks == task) & kind for kind in (compared.above, ~compared.above))
+        best = np.sort(equal[failure])
+        count += int((len(best) - np.searchsorted(best, equal[success], side="right")).sum())
+        of_task = low[success[low]], high[failure[high]]
         found += zip(*(it[:MOST_PAIRS].tolist() for it in of_task), strict=False)
-    worst = sorted(found, key=lambda pair: returns[pair[0]] - returns[pair[1]])[:MOST_PAIRS]
-    steps, told = np.nan_to_num(paid.paid[name]), []
-    for one, other in worst:
-        if returns[other] > returns[one]:
-            curves = np.cumsum(steps[paid.episode_steps(one)]), np.cumsum(steps[paid.episode_steps(other)])
-            numbers = int(paid.numbers[one]), int(paid.numbers[other])
-            told.append(WrongPair(*numbers, (float(returns[one]), float(returns[other])), curves))
-    return tuple(told)
+    told = [
+        WrongPair(
+            paid.episodes[one].number,
+            paid.episodes[other].number,
+            (float(returns[one]), float(returns[other])),
+            (np.cumsum(steps[paid.episode_steps(one)]), np.cumsum(steps[paid.episode_steps(other)])),
+        )
+        for one, other in sorted(found, key=lambda pair: returns[pair[0]] - returns[pair[1]])[:MOST_PAIRS]
+        if returns[other] > returns[one]
+    ]
+    return count, tuple(told)
 
 
 def _most_paid(paid: PaidDataset, steps: Float) -> tuple[PaidStep, ...]:
     steps = np.where(np.isnan(steps), -np.inf, steps)
     largest = np.maximum.reduceat(steps, paid.begins[:-1])
-    found = []
-    for place in np.argsort(-largest, kind="stable")[:MOST_STEPS].tolist():
-        step = int(np.argmax(steps[paid.episode_steps(place)]))
-        if np.isfinite(largest[place]):
-            found.append(PaidStep(int(paid.numbers[place]), step, float(largest[place])))
-    return tuple(found)
+    return tuple(
+        PaidStep(paid.episodes[at].number, int(np.argmax(steps[paid.episode_steps(at)])), float(largest[at]))
+        for at in np.argsort(-largest, kind="stable")[:MOST_STEPS].tolist()
+        if np.isfinite(largest[at])
+    )
 
 
 def _pairs(paid: PaidDataset, groups: Ints) -> tuple[Pair, ...]:
@@ -397,19 +375,13 @@ def _pairs(paid: PaidDataset, groups: Ints) -> tuple[Pair, ...]:
     )
 
 
+KEYWORDS = (
+    "places", "robot", "success", "labels", "success_above", "cluster", "partial", "beginner", "registry",
+)  # fmt: skip
+"""What `audit_dataset` takes by names, which are those of what is asked."""
+
+
 def audited(asked: Asked) -> Answered:
     """An audit of a data set; see `audit_dataset`."""
-    found = audit_dataset(
-        asked.named,
-        asked.rewards,
-        places=asked.places,
-        robot=asked.robot,
-        success=asked.success,
-        labels=asked.labels,
-        success_above=asked.success_above,
-        cluster=asked.cluster,
-        partial=asked.partial,
-        beginner=asked.beginner,
-        registry=asked.registry,
-    )
-    return [found], ()
+    keywords = {name: getattr(asked, name) for name in KEYWORDS}
+    return [audit_dataset(asked.named, asked.rewards, **keywords)], ()

@@ -14,7 +14,7 @@ from harness.files.plain import Plain, tells
 from harness.record.dataset.open_dataset import DatasetFacts
 from harness.text import number
 
-from ..recorded.pair import Pair, mean_json
+from ..recorded.pair import Mean, Pair
 from ..recorded.pair_grid import (
     MISSING,
     add_answer,
@@ -85,6 +85,7 @@ class PaidStep:
     "most_wrong=pairs",
     "paid_most=most",
     "unpaid",
+    "paid_standing_still=still",
 )
 @dataclass(frozen=True)
 class RewardAnswer(Plain):
@@ -106,13 +107,9 @@ class RewardAnswer(Plain):
     by_level: Auc | None
     wrong: int
     pairs: tuple[WrongPair, ...]
-    still: Estimate
+    still: Mean
     most: tuple[PaidStep, ...]
     unpaid: Lines
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {**super().to_json(), "paid_standing_still": mean_json(self.still)}
 
 
 @tells(
@@ -129,6 +126,9 @@ class RewardAnswer(Plain):
     "pairs",
     "failed",
     "notes",
+    "beginner",
+    "intervals_over",
+    "steps_standing_still=still",
 )
 @dataclass(frozen=True)
 class DatasetAudit(Plain):
@@ -136,12 +136,12 @@ class DatasetAudit(Plain):
 
     Attributes:
         facts: Of the data set.
-        beginner: Facts of the data set that it should be paid more than; None if none was given.
+        beginner: Name of the data set that it should be paid more than; None if none was given.
         episodes: How many.
         steps: How many.
         successes: Episodes that succeeded.
         failures: Episodes that did not; of the others nothing says it.
-        clusters: Over which intervals are: ``episodes``, ``operators`` or ``files``, and how many.
+        clusters: Over which intervals are, ``episodes``, ``operators`` or ``files``, and how many.
         still: Share of steps in which nothing happens.
         rewards: One of each.
         pairs: Every two rewards.
@@ -152,19 +152,24 @@ class DatasetAudit(Plain):
     """
 
     facts: DatasetFacts
-    beginner: DatasetFacts | None
+    beginner: str | None
     episodes: int
     steps: int
     successes: int
     failures: int
     clusters: tuple[str, int]
-    still: Estimate
+    still: Mean
     rewards: tuple[RewardAnswer, ...]
     pairs: tuple[Pair, ...]
     failed: Mapping[str, str]
     notes: Lines
     tasks: Lines
     success: str
+
+    @property
+    def intervals_over(self) -> dict[str, Any]:
+        """What they are over, and how many of these, by names."""
+        return dict(zip(("what", "count"), self.clusters, strict=True))
 
     def __str__(self) -> str:
         return as_text(self)
@@ -186,15 +191,6 @@ class DatasetAudit(Plain):
         levels = [(f"{it.name} beside the beginner's", it.by_level) for it in self.rewards]
         found = [*((it.name, it.by_success) for it in self.rewards), *levels]
         return tuple(Said("ranking", of, auc.answer) for of, auc in found if auc is not None)
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data, finite numbers only."""
-        return {
-            **super().to_json(),
-            "beginner": self.beginner and self.beginner.name,
-            "intervals_over": {"what": self.clusters[0], "count": self.clusters[1]},
-            "steps_standing_still": mean_json(self.still),
-        }
 
 
 def title_of(audit: DatasetAudit) -> str:
@@ -288,7 +284,7 @@ def answer_table(audit: DatasetAudit) -> RenderableType:
 def _of_reward(reward: RewardAnswer, audit: DatasetAudit) -> list[RenderableType]:
     lines: list[RenderableType] = [Text(verdict_of(reward.by_success))]
     if reward.by_level is not None and audit.beginner is not None:
-        than = f"one of {audit.beginner.name}"
+        than = f"one of {audit.beginner}"
         lines.append(Text(verdict_of(reward.by_level, f"an episode of {audit.facts.name}", than)))
     grid = answer_grid()
     for question, answer in answers_of(reward, audit):

@@ -60,7 +60,7 @@ def _overview(audit: DatasetAudit) -> Grid:
         for reward in audit.rewards
     ]
     if any(reward.by_level for reward in audit.rewards) and audit.beginner is not None:
-        headings = (*headings, f"above {audit.beginner.name}")
+        headings = (*headings, f"above {audit.beginner}")
         rows = [
             (*row, MISSING if reward.by_level is None else f"{auc_text(reward.by_level)} {reward.by_level.answer}")
             for row, reward in zip(rows, audit.rewards, strict=True)

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness import Float
-from harness.eta import Estimate, mean_over_seeds
+from harness.eta import mean_over_seeds
+from harness.files.plain import Plain
 
-from .pair import mean_json
+from .pair import Mean
 
 if TYPE_CHECKING:
     from harness.results.recordings.episodes import Episodes, Part
@@ -18,7 +18,7 @@ RANDOM = "random actions"
 
 
 @dataclass(frozen=True)
-class Earned:
+class Earned(Plain):
     """What one behaviour was like, and what it earned.
 
     Attributes:
@@ -30,47 +30,30 @@ class Earned:
 
     behaviour: str
     episodes: int
-    returns: Mapping[str, Estimate]
-    measures: Mapping[str, Estimate] = field(default_factory=dict)
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        returns, measures = (
-            {name: mean_json(mean) for name, mean in of.items()} for of in (self.returns, self.measures)
-        )
-        return {"behaviour": self.behaviour, "episodes": self.episodes, "returns": returns, "measures": measures}
+    returns: Mapping[str, Mean]
+    measures: Mapping[str, Mean] = field(default_factory=dict)
 
 
-def earned_in_parts(behaviour: str, parts: "Sequence[Part]", rewards: Sequence[str], measures: Sequence[str]) -> Earned:
-    """Means over trainings, of each of which there is a part, with intervals over them."""
-    return Earned(
-        behaviour,
-        sum(part.episodes for part in parts),
-        {name: _mean([part.returns.get(name) for part in parts]) for name in rewards},
-        {name: _mean([part.behaviour.get(name) for part in parts]) for name in measures},
-    )
-
-
-def earned_in_episodes(
-    behaviour: str, each: "Sequence[Episodes]", rewards: Sequence[str], measures: Sequence[str]
+def earned_by(
+    behaviour: str, each: "Sequence[Part | Episodes]", rewards: Sequence[str], measures: Sequence[str]
 ) -> Earned:
-    """Means over episodes that are independent of one another, with intervals over them."""
+    """Means over trainings, of each of which there is a part; or over episodes that are independent of one another.
 
-    def mean(name: str, of: Sequence[Mapping[str, Float]]) -> Estimate:
-        found = [values[name] for values in of if name in values]
-        whole = np.concatenate([np.zeros(0), *found])
-        return mean_over_seeds([] if np.isnan(whole).any() else whole.tolist())
+    Intervals are over what the means are over. There is no mean where it is not known of an episode.
+    """
+    from harness.results.recordings.episodes import Part
+
+    def mean(name: str, of: Sequence[Mapping[str, Any]]) -> Mean:
+        known = [np.atleast_1d(values[name]) for values in of if values.get(name) is not None]
+        whole = np.concatenate([np.zeros(0), *known])
+        return Mean(**vars(mean_over_seeds([] if np.isnan(whole).any() else whole.tolist())))
 
     return Earned(
         behaviour,
-        sum(len(episodes.last) for episodes in each),
-        {name: mean(name, [episodes.returns for episodes in each]) for name in rewards},
-        {name: mean(name, [episodes.behaviour for episodes in each]) for name in measures},
+        sum(it.episodes if isinstance(it, Part) else len(it.last) for it in each),
+        {name: mean(name, [it.returns for it in each]) for name in rewards},
+        {name: mean(name, [it.behaviour for it in each]) for name in measures},
     )
-
-
-def _mean(values: Sequence[float | None]) -> Estimate:
-    return mean_over_seeds([value for value in values if value is not None])
 
 
 def best_paid(rows: Sequence[Earned], reward: str) -> Earned | None:

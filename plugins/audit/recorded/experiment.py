@@ -24,7 +24,7 @@ from harness.score.installed_reward import InstalledReward
 from ..audit import Audit
 from ..questions import NO_FORMS, NOT_RANKED, on_best
 from ..subject import Answered, Asked
-from .earned import RANDOM, Earned, earned_in_episodes, earned_in_parts
+from .earned import RANDOM, Earned, earned_by
 from .pair import pairs_in
 from .pair_grid import SCALE
 from .recordings import audit_recordings, chosen_rewards, held_back, title_of
@@ -106,12 +106,11 @@ def _earned(
     floor = {label: acted.floor_returns(it) for label, it in payers.items()} if acted else {}
     if any(map(len, floor.values())):
         count = len(next(iter(floor.values())))
-        at_random = earned_in_episodes(f"{RANDOM}{where}", [Episodes(np.arange(count), floor, {}, {})], rewards, ())
-        showed = earned_in_parts("", [Part(count, {}, values, {})], (), measures).measures
-        yield replace(at_random, measures=showed)
+        told: list[Part | Episodes] = [Episodes(np.arange(count), floor, {}, {}), Part(0, {}, values, {})]
+        yield earned_by(f"{RANDOM}{where}", told, rewards, measures)
     for label in dict.fromkeys(cell.reward.label for cell in cells):
         parts = [_part(results.run(cell), payers) for cell in cells if cell.reward.label == label]
-        yield earned_in_parts(f"trained with {label}, evaluations{where}", parts, rewards, measures)
+        yield earned_by(f"trained with {label}, evaluations{where}", parts, rewards, measures)
 
 
 def _part(of: CellResults, payers: Mapping[str, InstalledReward]) -> Part:

@@ -184,7 +184,12 @@ def steps_apart(folder: str, log: Log, one: str, other: str) -> list[StepApart]:
     return list(found.values())
 
 
-@tells("rescaled=rescaling", "each", "largest")
+@tells("mean=value", "low", "high", "count=seeds")
+class Mean(Estimate):
+    """A mean over recordings, measurements, episodes or parts of a data set: its interval is over no seeds."""
+
+
+@tells("rewards", *MEANS, "rescaled=rescaling", "each", "largest", "*forms", "*why")
 @dataclass(frozen=True)
 class Pair(Plain):
     """How far apart two rewards are. Every number is a mean over recordings or over measurements.
@@ -205,25 +210,25 @@ class Pair(Plain):
 
     one: str
     other: str
-    steps: Estimate
-    returns: Estimate
-    discordant: Estimate
-    told_apart: Estimate
+    steps: Mean
+    returns: Mean
+    discordant: Mean
+    told_apart: Mean
     each: tuple[Apart, ...]
     rescaling: Rescaling | None
     largest: tuple[StepApart, ...]
-    forms: Mapping[str, Estimate]
+    forms: Mapping[str, Mean]
     reasons: Mapping[str, str]
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "rewards": [self.one, self.other],
-            **{name: mean_json(getattr(self, name)) for name in MEANS},
-            **super().to_json(),
-            **{form: mean_json(mean) for form, mean in self.forms.items()},
-            **({"reasons": dict(self.reasons)} if self.forms else {}),
-        }
+    @property
+    def rewards(self) -> tuple[str, str]:
+        """Both."""
+        return self.one, self.other
+
+    @property
+    def why(self) -> Mapping[str, Any]:
+        """The reasons, where somebody asked for canonical forms."""
+        return {"reasons": self.reasons} if self.forms else {}
 
 
 def pair_of(
@@ -295,17 +300,12 @@ def pairs_in(
     ), notes
 
 
-def mean_within(values: Sequence[float | None]) -> Estimate:
+def mean_within(values: Sequence[float | None]) -> Mean:
     """The mean of numbers in [0, 1], its interval cut to that range; numbers that are None are left out.
 
     They say how far apart two functions are: no training of them can fail, so none that was not seen is allowed for.
     """
-    mean = mean_over_seeds([value for value in values if value is not None])
+    mean = Mean(**vars(mean_over_seeds([value for value in values if value is not None])))
     if mean.low is None or mean.high is None:
         return mean
     return replace(mean, low=max(mean.low, 0.0), high=min(mean.high, 1.0))
-
-
-def mean_json(mean: Estimate) -> dict[str, Any]:
-    """Plain data; what the mean is over is no seed."""
-    return {"mean": mean.value, "low": mean.low, "high": mean.high, "count": mean.seeds}

@@ -29,7 +29,7 @@ from ..questions import (
     rank_success,
 )
 from ..subject import Answered, Asked
-from .earned import RANDOM, Earned, earned_in_episodes, earned_in_parts
+from .earned import RANDOM, Earned, earned_by
 from .pair import pairs_in
 from .pair_grid import SCALE
 
@@ -158,7 +158,7 @@ def _audit(
     success = deciding_measure(judged)
     named = dict.fromkeys(name for run in (*acted, *at_random) for name in run.episodes.behaviour)
     measures = sorted(named, key=lambda name: name != success)  # all others stay in their order
-    chance = [earned_in_episodes(RANDOM, [run.episodes for run in at_random], rewards, measures)] if at_random else []
+    chance = [earned_by(RANDOM, [run.episodes for run in at_random], rewards, measures)] if at_random else []
     early, final = _earned(trainings, evaluations, rewards, measures)
     names = [_name_of(folder, run) for run in compared]
     pairs, told = pairs_in(
@@ -224,7 +224,7 @@ def _earned(
 
     def earned(what: str, of: Sequence[Run], begin: float = 0.0, end: float = 1.0) -> Earned:
         parts = [run.episodes.part(round(begin * run.steps), round(end * run.steps)) for run in of]
-        return earned_in_parts(f"trained with {taught}, {what}", parts, rewards, measures)
+        return earned_by(f"trained with {taught}, {what}", parts, rewards, measures)
 
     early: list[Earned] = []
     final: list[Earned] = []

@@ -24,7 +24,7 @@ from harness.reward.given import OWN
 from ..audit import Audit
 from ..distance import FORMS, Form
 from ..questions import NO_SCRIPTS, NO_SUCCESS, deciding_measure, on_best, rank_success
-from ..recorded.earned import RANDOM, earned_in_episodes
+from ..recorded.earned import RANDOM, earned_by
 from ..recorded.pair import pairs_in
 from ..recorded.pair_grid import SCALE
 from .asked import NoTransitionReward, of_transition
@@ -102,7 +102,7 @@ def audit_rewards(
     pairs, _ = pairs_in([("", it.log) for it in taken], names, forms)
     acting = (RANDOM, *policies)
     by_policy = {policy: [it.of(number, episodes) for it in taken] for number, policy in enumerate(acting)}
-    earned = tuple(earned_in_episodes(policy, each, names, tuple(behaviour or {})) for policy, each in by_policy.items())
+    earned = tuple(earned_by(policy, each, names, tuple(behaviour or {})) for policy, each in by_policy.items())
     everything = [it.episodes for it in taken]
     success, count = deciding_measure(everything), sum(len(it.log) for it in taken)
     name = made.spec.id if made.spec is not None else type(made.unwrapped).__name__

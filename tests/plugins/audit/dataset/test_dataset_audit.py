@@ -127,7 +127,7 @@ def test_pieces_do_not_change_the_pay(reached, monkeypatch, name):
     for reward in rewards:
         assert np.array_equal(whole.paid[reward], pieces.paid[reward])
     assert np.array_equal(whole.begins, pieces.begins)
-    assert np.array_equal(whole.told, pieces.told)
+    assert np.array_equal(whole.each("success"), pieces.each("success"))
     assert np.array_equal(sum_of(whole.terms["gentle"]), whole.paid["gentle"])
     for term, values in whole.terms["gentle"].items():
         assert np.array_equal(values, pieces.terms["gentle"][term])
@@ -219,7 +219,7 @@ def test_episodes_without_a_word_are_left_out(minari):
     found = audit_dataset(name)
     assert (found.successes, found.failures) == (0, 0)
     assert any(line.startswith("Nothing says which episodes succeeded") for line in found.notes)
-    assert pay(name, near=near).told.tolist() == [UNKNOWN] * 4
+    assert pay(name, near=near).each("success").tolist() == [UNKNOWN] * 4
 
 
 @pytest.mark.parametrize("rows", [2, 5])
@@ -227,13 +227,13 @@ def test_lerobot_s_batches_do_not_change_the_pay(lerobot, monkeypatch, rows):
     """Nor the successes. The last frame tells one, and its recorded pay counts."""
     name = lerobot(5)
     recorded = pay_dataset(opened(name), {"recorded": Recorded("recorded")})
-    assert recorded.told.tolist() == [FAILURE, SUCCESS, FAILURE, SUCCESS, FAILURE]
+    assert recorded.each("success").tolist() == [FAILURE, SUCCESS, FAILURE, SUCCESS, FAILURE]
     assert recorded.returns["recorded"].tolist() == [-STEPS, STEPS, -STEPS, STEPS, -STEPS]
     whole = pay(name, near=near)
     monkeypatch.setattr(sizes, "ROWS", rows)
     pieces = pay(name, near=near)
     assert np.array_equal(whole.paid["near"], pieces.paid["near"], equal_nan=True)
-    assert np.array_equal(whole.told, pieces.told)
+    assert np.array_equal(whole.each("success"), pieces.each("success"))
 
 
 def test_function_of_a_step_may_not_need_the_next_observation(lerobot):
