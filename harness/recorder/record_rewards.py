@@ -12,7 +12,7 @@ from gymnasium.envs.registration import EnvSpec
 
 from harness.eta.interval import Bounds
 from harness.eta.manner import Acted
-from harness.recorder.column import are_numbers
+from harness.log.log import is_countable
 from harness.recorder.env_facts import LEARNERS, Asked, OnError
 from harness.recorder.recorder import Recorder, action_facts
 from harness.recorder.sealed import CONSTANT
@@ -174,7 +174,7 @@ class RecordRewards(gymnasium.Wrapper[Observation, Action, Observation, Action])
         self._taken.take(tick, action, observation, info, terminated or truncated)
         pays = self._recorder.pays
         if pays is not None and pays.is_own:
-            if not (type(pay) in NUMBERS and are_numbers(pay)):
+            if not (type(pay) in NUMBERS and is_countable(pay)):
                 self._taken.make()  # which raises, unless it is a number of another kind
             paid = float(pay)
         elif pays is not None:
