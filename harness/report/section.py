@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 from harness.errors import PluginError
 from harness.record.added import SECTIONS
 from harness.record.cell import Ending
-from harness.registry.choice import Choice
 from harness.registry.spec import blamed_on
 
 if TYPE_CHECKING:
@@ -101,8 +100,8 @@ def shown_sections(results: "Results") -> dict[str, Shown]:
         spec = results.registry.get(SECTIONS, name)
         if spec.missing:
             continue
-        section: Section = Choice(name).build(results.registry, SECTIONS)
         with blamed_on(spec, "the report was made"):
+            section: Section = spec.load()()
             shown = section.show(results)
         if not isinstance(shown, Shown | None):
             raise PluginError(f"{spec.title} shows a {type(shown).__name__}; write harness.results.Shown(facts, data)")
