@@ -58,7 +58,7 @@ class Search:
         return tuple(map(int, drawn))
 
 
-ARM, ENVIRONMENT = Search(budget=600_000, starts=8), Search(budget=600_000, starts=4)
+ARM, ENVIRONMENT = Search(budget=500_000, starts=8), Search(budget=600_000, starts=4)
 """What is usual: seconds for an arm, whose episodes are played side by side, a minute in an environment."""
 
 
