@@ -22,9 +22,20 @@ from harness.log import Log
 from harness.policy import Policy
 from harness.record.folder import SUFFIX, TRACE
 from harness.record.progress import TERMS
-from harness.record.returns import PAID, mean_over_episodes, mean_return
 from harness.record.scene import write_scene
-from harness.record.trace import COLUMN, INTEGERS, TERM, Recorder, Rows, TraceWriter, read_trace, terms_of
+from harness.record.trace import (
+    COLUMN,
+    INTEGERS,
+    PAID,
+    TERM,
+    Recorder,
+    Rows,
+    TraceWriter,
+    mean_over_episodes,
+    mean_return,
+    read_trace,
+    terms_of,
+)
 from harness.registry.choice import Choice, Registry
 from harness.reward.steps import ENDS
 from harness.robot import Robot

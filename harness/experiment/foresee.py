@@ -11,7 +11,7 @@ from harness.experiment.experiment import ExperimentRun
 from harness.experiment.trials.measured_kind import Measured, horizon_in, measure_kinds
 from harness.files.plain import Plain, tells
 from harness.record.cell import Cell
-from harness.record.folder import EVALUATION, recording_of
+from harness.record.folder import EVALUATION_RECORDING
 from harness.record.pace import Kind, kind_of, time_left, took
 from harness.record.store import Store
 from harness.registry.choice import choose
@@ -160,7 +160,7 @@ def _measured(ready: ExperimentRun, cells: Sequence[Cell]) -> tuple[dict[Cell, M
 
 def _horizon_of(store: Store, done: Sequence[Cell]) -> int:
     """The horizon that the done cells of an environment recorded."""
-    paths = (store.cell_folder(cell) / recording_of(EVALUATION) for cell in done if cell.is_in_environment)
+    paths = (store.cell_folder(cell) / EVALUATION_RECORDING for cell in done if cell.is_in_environment)
     return next((horizon_in(path) for path in paths if path.is_dir()), 0)
 
 

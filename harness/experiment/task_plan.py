@@ -14,7 +14,7 @@ from harness.log.measure import Measure
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON
 from harness.registry.choice import Choice, Registry, choose, kind_of_task, require_known, split_list
 from harness.registry.measure_functions import EPISODE, HIGHER, LOWER, SUCCESS
-from harness.registry.spec import PLANNED, blamed_on, unknown_name
+from harness.registry.spec import PLANNED, unknown_name
 from harness.results.metrics import fields_needed, load_metrics, require_measures
 from harness.reward.forms import STEP
 from harness.reward.given import ARGUMENTS
@@ -186,7 +186,7 @@ def _with_arm(asked: Asked, given: Given, registry: Registry, load: "Callable[[s
     robot = _locate(asked.robot or choose(registry, "tasks", given).build(registry, "tasks").robot, registry)
     task, arm = choose_task(registry, given, robot, load)
     built = task.build(registry, "tasks")
-    with blamed_on(registry.get("tasks", task.name), PLANNED):
+    with task.blamed(registry, "tasks", PLANNED):
         built.check(arm)
     for simulator in simulators:
         require_drives(simulator.build(registry, "simulators"), arm)
@@ -249,7 +249,7 @@ def _needs(choice: Choice, task: "Task", arm: "Robot", registry: Registry) -> tu
 
 
 def _fit(algorithm: Choice, task: Choice, robot: "Robot", registry: Registry, steps: int) -> Fit:
-    with blamed_on(registry.get("algorithms", algorithm.name), PLANNED):
+    with algorithm.blamed(registry, "algorithms", PLANNED):
         try:
             form = task_for(algorithm, task, robot, registry)
         except UsageError as error:
@@ -358,6 +358,6 @@ def _space_of(task: Choice, robot: "Robot", registry: Registry) -> ActionSpace:
     from harness.motion.discrete import Discrete
 
     built = task.build(registry, "tasks")
-    with blamed_on(registry.get("tasks", task.name), PLANNED):
+    with task.blamed(registry, "tasks", PLANNED):
         built.check(robot)
         return "discrete" if isinstance(built.motion(robot), Discrete) else "continuous"

@@ -11,8 +11,7 @@ from harness.log import Log
 from harness.log.log import RECORDED, REWARD, START, TIME
 from harness.record.cell import Cell, read_manifest
 from harness.record.folder import MANIFEST, RANDOM, SUFFIX, TRACE, begun_by
-from harness.record.returns import EVENTS
-from harness.record.trace import COLUMN, FORMAT_KEY, SCALARS, TERM, TraceWriter, read_trace
+from harness.record.trace import COLUMN, EVENTS, FORMAT_KEY, SCALARS, TERM, TraceWriter, read_trace
 
 EXAMPLE_DOF = 2
 APART = f"Events are paid on top of the reward, in the columns {', '.join(EVENTS)}"

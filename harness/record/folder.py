@@ -15,7 +15,7 @@ EVALUATIONS = "evaluations"
 """Folder of what the policy did before its training ended, a trace per evaluation, named by the environment steps."""
 SCENE = "scene.json"
 """What the arm looks like, see `harness.record.scene`; folders of version 0.1 have none."""
-TRAINING_RECORDING, EVALUATION_RECORDING = "training", "evaluation"
+TRAINING_RECORDING, EVALUATION_RECORDING, RANDOM_RECORDING = "training", "evaluation", "random"
 """Folders of recordings, see `harness.record.recording`, of a cell whose task is an environment. Its other evaluations
 are folders too, named as the files of an arm's cell are without their ending: see `recording_of`."""
 POLICY, WEIGHTS, CARD = "policy", "weights.safetensors", "card.json"

@@ -16,10 +16,9 @@ from harness.record.file_forms import Status
 from harness.record.folder import (
     DERIVED,
     POLICY,
-    RANDOM,
+    RANDOM_RECORDING,
     partial_folder,
     publish,
-    recording_of,
 )
 from harness.record.out_folder import refuse_links, storage_errors
 from harness.record.plan_file import StoredPlan, unite
@@ -110,7 +109,7 @@ def _first(what: str, found: Sequence[tuple[Path, Ending]]) -> Path | None:
         alone = whole.files.keys() ^ ending.files.keys()
         for name, _ in sorted(whole.files.items() ^ ending.files.items()):
             tells_times = PurePosixPath(name).match(FILES[0]) or not (is_needed(name) or name.startswith(POLICY))
-            if not tells_times and not (name in alone and name.startswith(recording_of(RANDOM))):
+            if not tells_times and not (name in alone and name.startswith(RANDOM_RECORDING)):
                 raise UsageError(
                     f"{what} is done in '{first}' and in '{folder}', and {name} is not the same in both: take one of "
                     "the two folders away, and merge again"

@@ -24,7 +24,7 @@ from harness.errors import NewerFormat, SchemaError, UsageError
 from harness.files.bounded import is_partial
 from harness.record.cell import REMEDY, Cell, Manifest, is_named, now, read_manifest, whole_cell
 from harness.record.file_forms import Status
-from harness.record.folder import CHECKPOINT, LOG, MANIFEST, RANDOM, partial_folder, publish, recording_of
+from harness.record.folder import CHECKPOINT, LOG, MANIFEST, RANDOM, RANDOM_RECORDING, partial_folder, publish
 from harness.record.out_folder import folder_lock, is_held, make_folder, refuse_links, require_text
 from harness.record.plan_file import EXPERIMENT, PLAN, StoredPlan, plan_from_cells, read_plan
 from harness.record.terms import Terms
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from harness.experiment.plan import Plan
 
 CELLS, RESULTS, REPORT, LOCK = "cells", "results.parquet", "report.html", ".lock"
-FLOORS = (RANDOM, recording_of(RANDOM))
+FLOORS = (RANDOM, RANDOM_RECORDING)
 """Where a cell, of an arm or in an environment, leaves what random actions did."""
 MOST_NAMED = 5
 """Most experiments that a message about the folder above them names."""
@@ -242,12 +242,15 @@ class Store:
 
     def known(self) -> StoredPlan:
         """What was asked for before; where the plan is damaged, what has ended: the rest is asked for again."""
+        note = ""
         try:
-            return self.read_plan()
+            if self.is_experiment(self.folder):
+                return self.read_plan()
         except NewerFormat:
             raise
         except SchemaError as error:
-            return StoredPlan("", False, {}, tuple(self._ended_cells()), note=str(error))
+            note = str(error)
+        return StoredPlan("", False, {}, tuple(self._ended_cells()), note=note)
 
     def _ended_cells(self) -> list[Cell]:
         return [manifest.cell for manifest in self.manifests()]

@@ -58,7 +58,7 @@ from harness.files.bounded import reading
 from harness.files.parquet import MOST_NUMBERS, open_parquet, require_room
 from harness.files.plain import Plain
 from harness.log import Log, LogFacts, in_memory
-from harness.log.log import UNCOUNTABLE, Columns, is_countable, uncountable_text
+from harness.log.log import UNCOUNTABLE, Columns, episode_sums, is_countable, uncountable_text
 from harness.record.file_forms import read_form
 from harness.record.folder import parts_of
 from harness.record.parts import PART_BYTES, PART_ROWS, RowsWriter, open_part, rows_of
@@ -88,6 +88,10 @@ NUMBERS = (
     "end_effector_y",
     "end_effector_z",
 )
+EVENTS = tuple(name for name in NUMBERS if name.startswith("reward_"))
+"""The columns of the event terms, which are the same under every reward."""
+PAID = ("reward", *EVENTS)
+"""The columns whose sum is what an episode was paid: the shaped reward and the event terms."""
 FLAGS = ("ground", "reached", "held", *ENDS)
 SCALARS = INTEGERS + NUMBERS + FLAGS
 COLUMN = {name: index for index, name in enumerate(SCALARS)}
@@ -278,6 +282,23 @@ def trace_of(columns: Columns, facts: EpisodeFacts = NOTHING_KNOWN) -> Log:
     """
     trace = in_memory(TraceFacts(path=Path("trace"), format="trace", episodes=facts), columns)
     return _with_nothing_touched(trace, len(trace))
+
+
+def paid_in(trace: Log | Columns, columns: Sequence[str] = PAID) -> Float:
+    """What these columns paid together in each row, (rows,)."""
+    paid: Float = np.sum([trace[name] for name in columns], axis=0)
+    return paid
+
+
+def mean_return(trace: Log, columns: Sequence[str] = PAID) -> float | None:
+    """What a finished episode was paid in these columns together, mean over the episodes; None without one."""
+    return mean_over_episodes(paid_in(trace, columns), trace)
+
+
+def mean_over_episodes(values: Float, trace: Log) -> float | None:
+    """The sum of `values`, one per row, over a finished episode, mean over the episodes; None without one."""
+    sums = episode_sums(values, trace.episodes).tolist()
+    return sum(sums) / len(sums) if sums else None
 
 
 class Names(tuple[str, ...]):

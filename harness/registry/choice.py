@@ -6,6 +6,7 @@ its commas are its own. Nothing heavy is imported before a spec is loaded.
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -116,6 +117,10 @@ class Registry:
         if found is None:
             raise PluginError(conflict(name.rpartition("/")[2], specs))
         return found
+
+    def is_built_in(self, kind: str, name: str) -> bool:
+        """Whether what is registered under a name is the harness's own; raises as `get` does."""
+        return self.get(kind, name).is_built_in
 
     def _claimed(self, kind: str, name: str) -> list[Spec]:
         """Who claims a name, or a qualified one."""
@@ -279,6 +284,12 @@ class Choice(Plain):
     def build(self, registry: Registry, kind: str) -> Any:
         """The chosen thing: the registered target, with these parameters."""
         return _build(registry.get(kind, self.name), self.named, f"{NOUNS[kind]} '{self.name}'", registry)
+
+    @contextmanager
+    def blamed(self, registry: Registry, kind: str, doing: str) -> Iterator[None]:
+        """Whatever is raised in this block is the fault of the plugin that was chosen; see `blamed_on`."""
+        with blamed_on(registry.get(kind, self.name), doing):
+            yield
 
 
 def choose(registry: Registry, kind: str, given: str | Mapping[str, Any], defaults: Defaults = "") -> Choice:

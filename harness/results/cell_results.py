@@ -21,10 +21,14 @@ from harness.log.measure import Measure
 from harness.record.cell import Cell, Manifest
 from harness.record.folder import EVALUATION, EVALUATIONS, RANDOM, SUFFIX, TRACE, evaluation_files, parts_of
 from harness.record.plan_file import StoredPlan
-from harness.record.returns import EVENTS, PAID, mean_over_episodes, mean_return, paid_in
 from harness.record.store import Store
 from harness.record.trace import (
+    EVENTS,
+    PAID,
     episode_facts,
+    mean_over_episodes,
+    mean_return,
+    paid_in,
     read_trace,
     terms_of,
     with_episode_facts,

@@ -221,7 +221,7 @@ def fields_needed(registry: Registry) -> frozenset[str]:
     for it in registry.functions_of("measure").values():
         if it.spec is not None:
             it.spec.load()
-    others = [name for name in registry.names("metrics") if not registry.get("metrics", name).is_built_in]
+    others = [name for name in registry.names("metrics") if not registry.is_built_in("metrics", name)]
     return frozenset(field for name in others for field in needs_of(_usable(registry, name)))
 
 

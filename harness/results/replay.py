@@ -15,9 +15,8 @@ from harness.log import Log
 from harness.log.log import sums_so_far
 from harness.record.cell import Cell
 from harness.record.folder import EVALUATION, SCENE, SUFFIX
-from harness.record.returns import PAID, paid_in
 from harness.record.scene import Scene, read_scene
-from harness.record.trace import OBSTACLE, OBSTACLES, episode_facts, read_trace, with_episode_facts
+from harness.record.trace import OBSTACLE, OBSTACLES, PAID, episode_facts, paid_in, read_trace, with_episode_facts
 from harness.results.comparison import Comparison, Group
 from harness.results.metrics import Values
 from harness.results.pairs import READ, Met, Pairs, cells_by_seed, kind_of, kinds_of

@@ -21,9 +21,8 @@ from harness.record.folder import TRACE, TRAINING_RECORDING, partial_folder
 from harness.record.progress import LAST_EPISODES
 from harness.record.recording.facts import facts_of
 from harness.record.recording.recorded_training import is_recording, read_recording
-from harness.record.returns import PAID
 from harness.record.store import Store
-from harness.record.trace import read_trace
+from harness.record.trace import PAID, read_trace
 from harness.results.cell_results import learned
 from harness.results.recordings.episodes import episodes_of
 

@@ -26,7 +26,6 @@ from harness.payoff.rollout import (
     score_rollout,
 )
 from harness.registry import Choice, Registry, choose
-from harness.registry.spec import blamed_on
 from harness.results.recordings.episodes import Episodes
 from harness.reward import Reward
 from harness.text import number
@@ -191,7 +190,7 @@ def audited(asked: Asked) -> Answered:
 def _named(choice: Choice, registry: Registry) -> Iterator[None]:
     """Whatever a reward raises in this block is said to be the reward's."""
     try:
-        with blamed_on(registry.get("rewards", choice.name), "it was audited"):
+        with choice.blamed(registry, "rewards", "it was audited"):
             yield
     except UsageError as error:
         raise UsageError(f"Reward '{choice.label}': {error}") from error

@@ -28,7 +28,7 @@ from harness.registry import (
     split_list,
 )
 from harness.registry.given import Given
-from harness.registry.spec import PLANNED, blamed_on
+from harness.registry.spec import PLANNED
 from harness.results import Results
 from harness.simulator import require_drives
 from harness.text import command_text
@@ -273,7 +273,7 @@ def _require_plugins(jobs: Sequence[TransferJob], folder: Path, registry: Regist
     for robot, task, reward, simulator in dict.fromkeys(wanted):
         try:
             built, arm = task.build(registry, "tasks"), load_robot(robot, registry)
-            with blamed_on(registry.get("tasks", task.name), PLANNED):
+            with task.blamed(registry, "tasks", PLANNED):
                 built.check(arm)
             reward.build(registry, "rewards")
             require_drives(simulator.build(registry, "simulators"), arm)

@@ -9,7 +9,7 @@ from harness.eta import SHARE, Estimate, mean_over_seeds
 from harness.eta.headline import SUCCESS
 from harness.files.plain import Plain, tells
 from harness.record import EVALUATION, Cell, read_trace
-from harness.record.returns import mean_return
+from harness.record.trace import mean_return
 from harness.registry import Choice
 from harness.results import Group, Results, Shown
 

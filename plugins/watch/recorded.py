@@ -24,8 +24,7 @@ from harness.record.recording.recorded_training import (
     read_recorder,
     recorder_numbers,
 )
-from harness.record.returns import PAID, paid_in
-from harness.record.trace import TERM
+from harness.record.trace import PAID, TERM, paid_in
 from harness.results.under_way import are_flags, hint_of, measure_of
 from harness.reward.steps import ENDS
 

@@ -5,7 +5,7 @@ import pytest
 from harness.experiment.arm_world import evaluation_scalars
 from harness.experiment.run_cell import run_cell
 from harness.record import EVALUATION, read_trace
-from harness.record.returns import mean_return
+from harness.record.trace import mean_return
 
 
 def test_every_metric_and_the_return_have_a_name(make_cell, toys, tmp_path):

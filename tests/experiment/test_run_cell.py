@@ -15,7 +15,7 @@ from harness.experiment.run_cell import run_cell
 from harness.policy import load_policy
 from harness.record import EVALUATION, LOG, MANIFEST, POLICY, RANDOM, TRACE, partial_folder, read_manifest, read_trace
 from harness.record.progress import RETURN, SUCCESS
-from harness.record.returns import mean_return
+from harness.record.trace import mean_return
 from harness.registry import Choice, read_given
 from harness.robot import robot
 from tests.registry.test_given import REWARD

@@ -20,7 +20,7 @@ from harness.log.log import (
 from harness.payoff.rollout import discounted_sum
 from harness.record import COLUMN, SCALARS
 from harness.record.progress import RETURN
-from harness.record.returns import PAID, mean_return
+from harness.record.trace import PAID, mean_return
 from harness.results.by_term import by_term
 from harness.results.recordings.episodes import episodes_of
 from tests.plugins.audit.search.certified import certificate_of

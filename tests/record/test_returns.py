@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.log import trace_of
-from harness.record.returns import mean_return
+from harness.record.trace import mean_return
 
 
 @pytest.fixture

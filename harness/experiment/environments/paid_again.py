@@ -25,7 +25,7 @@ from harness.recorder.env_facts import Columns, env_facts
 from harness.recorder.retake import Retake
 from harness.recorder.sealed import Walk
 from harness.registry.choice import BY_ID, Choice, Registry, choose, parse
-from harness.registry.spec import blamed_on, unknown_name
+from harness.registry.spec import unknown_name
 from harness.reward.given import Given
 from harness.score.weighted_recordings import recordings_of
 
@@ -141,7 +141,7 @@ class PayAgain:
         environment: Environment = place.build(self.registry, "environments")
 
         def make() -> AnyEnv:
-            with blamed_on(self.registry.get("environments", place.name), "an env was made"):
+            with place.blamed(self.registry, "environments", "an env was made"):
                 return environment.make() if task else _env_of(path, facts)
 
         return make, lambda env: columns_of(environment, env, self.registry, self._of_arm.values())

@@ -32,7 +32,7 @@ from harness.recorder.guard import Guard
 from harness.recorder.trial import FIRST_STEPS
 from harness.registry.choice import Choice, Registry, choose, label_of, parse
 from harness.registry.measure_functions import EPISODE
-from harness.registry.spec import PLANNED, blamed_on, unknown_name
+from harness.registry.spec import PLANNED, unknown_name
 from harness.registry.step_functions import StepFunction
 from harness.reward import Steps
 from harness.reward.forms import STEP
@@ -328,7 +328,7 @@ def look_at(task: Choice, registry: Registry) -> Looked:
         PluginError: It raises; says whose it is.
     """
     environment: Environment = task.build(registry, "environments")
-    with blamed_on(registry.get("environments", task.name), PLANNED), closing(environment.make()) as env:
+    with task.blamed(registry, "environments", PLANNED), closing(environment.make()) as env:
         columns = columns_of(environment, env, registry)
         names, measures = tuple(columns.rewards), tuple(columns.behaviour)
         for member in ("lower_is_better", "higher_is_better", "bounds"):
@@ -362,7 +362,7 @@ def why_not_in(looked: Looked, algorithm: Choice, reward: str, registry: Registr
     """Why an algorithm cannot train in an environment by a reward for so many steps; empty if it can."""
     if looked.unusable:
         return looked.unusable
-    with blamed_on(registry.get("algorithms", algorithm.name), PLANNED):
+    with algorithm.blamed(registry, "algorithms", PLANNED):
         built: Algorithm = algorithm.build(registry, "algorithms")
         if needs_arm(built):
             return f"{algorithm.label} computes with the arm of a task, and {looked.label} is an environment"

@@ -18,7 +18,6 @@ from harness.record.recording.facts import facts_of
 from harness.record.recording.recorded_training import read_recording
 from harness.recorder.evaluate_policy import FIRST_SEED
 from harness.registry.choice import Registry
-from harness.registry.spec import blamed_on
 from harness.text import one_line
 
 if TYPE_CHECKING:
@@ -54,7 +53,7 @@ class PlayedAgain:
         ends = np.flatnonzero(self._recorded["terminated"] | self._recorded["truncated"]) + 1
         self.episodes = [np.arange(begin, end) for begin, end in zip([0, *ends], ends, strict=False)]
         policy = load_policy(folder / POLICY)
-        with blamed_on(registry.get("environments", cell.task.name), "an env was made"):
+        with cell.task.blamed(registry, "environments", "an env was made"):
             environment: Environment = cell.task.build(registry, "environments")
             self._env = environment.make()
         let_draw(self._env, cell.task.label)

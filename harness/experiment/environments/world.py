@@ -54,7 +54,6 @@ from harness.recorder.evaluate_policy import FIRST_SEED, evaluate_policy
 from harness.recorder.gate import Gate
 from harness.recorder.record_rewards import RecordRewards
 from harness.registry.choice import Choice, choose
-from harness.registry.spec import blamed_on
 from harness.results.recordings.episodes import cut_text, episodes_of, unended_text
 from harness.results.recordings.recording_results import terms_in
 
@@ -380,7 +379,7 @@ class EnvironmentWorld(CellWorld):
             return {"trained_with": reward.label, "learners": self._learners, **vars(columns)}
 
     def _blamed(self, doing: str) -> Any:
-        return blamed_on(self._registry.get("environments", self._cell.task.name), doing)
+        return self._cell.task.blamed(self._registry, "environments", doing)
 
     @cached_property
     def _environment(self) -> Environment:

@@ -176,7 +176,7 @@ def _to_try(cells: Sequence[Cell], registry: Registry) -> list[tuple[Cell, tuple
         for of in found.values()
         if registry.given
         or any(
-            "rewards" not in cell.plugins or not registry.get("rewards", cell.reward.name).is_built_in
+            "rewards" not in cell.plugins or not registry.is_built_in("rewards", cell.reward.name)
             for cell in of.values()
         )
     ]

@@ -19,7 +19,7 @@ from harness.eta.laws import Account, Missing, counted, numbered, require_direct
 from harness.eta.manner import ACTED_AT_RANDOM, DETERMINISTIC, MANNERS, OWN_AND_OTHER
 from harness.log.measure import Measure
 from harness.record.cell import BROUGHT, EVALUATION_HORIZON, UNKNOWN_ALGORITHM, Cell, Manifest, is_named
-from harness.record.folder import EVALUATION_RECORDING, RANDOM, TRAINING_RECORDING, recording_of
+from harness.record.folder import EVALUATION_RECORDING, RANDOM_RECORDING, TRAINING_RECORDING
 from harness.record.plan_file import PLAN, StoredPlan
 from harness.record.recording.facts import FILE_BEHAVIOUR, OWN_SOURCE
 from harness.record.recording.recorded_training import read_facts, recordings_in
@@ -466,7 +466,7 @@ class Recordings(Results):
             if is_named(self.manifest(cell), path.relative_to(folder).as_posix())
         ]
         floor = floors_in(self.manifests, self.store).get(cells[0].floor)
-        random = None if floor is None else self.store.cell_folder(floor) / recording_of(RANDOM)
+        random = None if floor is None else self.store.cell_folder(floor) / RANDOM_RECORDING
         # Where one of several rewards is chosen, the baseline trains last.
         baseline = self.baseline if self.baseline in trained or not is_choosing else ""
         try:

@@ -130,7 +130,7 @@ def needs_of(registry: Registry) -> tuple[dict[str, Any], ...]:
 def blamed_at(place: Place, registry: Registry) -> AbstractContextManager[None]:
     """Whatever is raised in this block is said to be the environment's; on a task, the reward's."""
     kind, choice = ("environments", place.task) if place.is_environment else ("rewards", place.reward)
-    return blamed_on(registry.get(kind, choice.name), "it was searched")
+    return choice.blamed(registry, kind, "it was searched")
 
 
 def elsewhere_of(place: Place, registry: Registry, names: Iterable[str] = OTHERS) -> dict[str, Callable[[], World]]:

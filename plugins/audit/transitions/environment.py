@@ -6,7 +6,6 @@ from dataclasses import replace
 from harness.environment import Environment
 from harness.experiment.environments.plan import columns_of, look_at
 from harness.registry import choose
-from harness.registry.spec import blamed_on
 
 from ..search.place import places_in_environment
 from ..subject import Answered, Asked
@@ -26,7 +25,7 @@ def audited(asked: Asked) -> Answered:
     task = choose(registry, "environments", asked.named)
     baseline, choices = look_at(task, registry).rewards_asked(asked.against, asked.rewards or None)
     environment: Environment = task.build(registry, "environments")
-    with blamed_on(registry.get("environments", task.name), "it was audited"), closing(environment.make()) as env:
+    with task.blamed(registry, "environments", "it was audited"), closing(environment.make()) as env:
         columns = columns_of(environment, env, registry, (baseline, *choices))
         named = dict.fromkeys(choice.label for choice in (baseline, *choices))
         given = {name: columns.rewards[name] for name in named}

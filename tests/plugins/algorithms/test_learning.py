@@ -5,7 +5,7 @@ import pytest
 
 import harness
 from harness.record import EVALUATION, RANDOM, read_trace
-from harness.record.returns import mean_return
+from harness.record.trace import mean_return
 
 pytestmark = pytest.mark.slow
 SEEDS = 3
