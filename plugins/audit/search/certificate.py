@@ -19,7 +19,7 @@ from harness import Float, Mask
 from harness.files import reading
 from harness.files.bounded import read_sealed, seal, write_whole
 from harness.files.plain import to_plain
-from harness.log.log import episode_sum
+from harness.log.log import LARGEST, episode_sum
 from harness.record.file_forms import EXACT, OPEN, Name, Whole, read_form, told_as
 from harness.text import file_stems, number
 
@@ -40,8 +40,6 @@ MOST_STEPS, MOST_NUMBERS, MOST_NAMED = 20_000, 500_000, 100
 DRAWN = {"time", "qpos", "target", "distance"}
 """What an arm is drawn from; see `Shown`."""
 
-LARGEST = 1e150
-"""Sums of such numbers stay finite."""
 ROUNDING = 1e-9
 """By so much of what was paid a sum may differ from that of its steps: versions add in other orders."""
 Number = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
