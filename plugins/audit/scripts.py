@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.errors import UsageError
+from harness.eta import SHARE, UNBOUNDED
 from harness.log.log import SUCCESS
 from harness.payoff.rollout import (
     CREEP,
@@ -125,7 +126,7 @@ def audit_reward(
                 rollout.script,
                 [_episodes(rollout, {who: each[at] for who, each in by_name.items()})],
                 tuple(by_name),
-                (SUCCESS, STEPS),
+                {SUCCESS: SHARE, STEPS: UNBOUNDED},
             )
             for at, rollout in enumerate(rollouts)
         ),

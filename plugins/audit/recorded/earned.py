@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.eta import mean_over_seeds
+from harness.eta import UNBOUNDED, mean_over_seeds
+from harness.eta.interval import Bounds
 from harness.files.plain import Plain
 
 from .pair import Mean
@@ -35,24 +36,25 @@ class Earned(Plain):
 
 
 def earned_by(
-    behaviour: str, each: "Sequence[Part | Episodes]", rewards: Sequence[str], measures: Sequence[str]
+    behaviour: str, each: "Sequence[Part | Episodes]", rewards: Sequence[str], measures: Mapping[str, Bounds]
 ) -> Earned:
     """Means over trainings, of each of which there is a part; or over episodes that are independent of one another.
 
-    Intervals are over what the means are over. There is no mean where it is not known of an episode.
+    Intervals are over what the means are over, and within what a measure can be, its bounds. There is no mean where it
+    is not known of an episode.
     """
     from harness.results.recordings.episodes import Part
 
-    def mean(name: str, of: Sequence[Mapping[str, Any]]) -> Mean:
+    def mean(name: str, of: Sequence[Mapping[str, Any]], bounds: Bounds = UNBOUNDED) -> Mean:
         known = [np.atleast_1d(values[name]) for values in of if values.get(name) is not None]
         whole = np.concatenate([np.zeros(0), *known])
-        return Mean(**vars(mean_over_seeds([] if np.isnan(whole).any() else whole.tolist())))
+        return Mean(**vars(mean_over_seeds([] if np.isnan(whole).any() else whole.tolist(), bounds=bounds)))
 
     return Earned(
         behaviour,
         sum(it.episodes if isinstance(it, Part) else len(it.last) for it in each),
         {name: mean(name, [it.returns for it in each]) for name in rewards},
-        {name: mean(name, [it.behaviour for it in each]) for name in measures},
+        {name: mean(name, [it.behaviour for it in each], bounds) for name, bounds in measures.items()},
     )
 
 

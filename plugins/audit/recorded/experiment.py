@@ -10,8 +10,10 @@ from harness import load_results
 from harness.cli.output import audits_of
 from harness.errors import Unscored, UsageError
 from harness.eta.headline import SUCCESS
+from harness.eta.interval import Bounds
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import REWARD, START
+from harness.log.measure import bounds_of
 from harness.record import TRACE, Cell, read_trace
 from harness.registry import Choice
 from harness.results.cell_results import CellResults
@@ -50,7 +52,8 @@ def audit_experiment(results: Traces, only: Sequence[str]) -> Audit:
     labels = {it.cell.reward.label: it.cell.reward for it in results.manifests if it.status != "skipped"}
     rewards = chosen_rewards(labels, only, f"'{results.folder}'")
     payers, notes = _payers(results, {label: labels[label] for label in rewards})
-    measures = sorted(results.measures, key=lambda name: name != SUCCESS)  # all others stay in their order
+    ordered = sorted(results.measures, key=lambda name: name != SUCCESS)  # all others stay in their order
+    measures = {name: bounds_of(results.metrics[name]) for name in ordered}
     success = SUCCESS if SUCCESS in measures else ""
     groups = [[it for it in cells if not results.is_control(it)] for cells in results.groups.values()]
     earned = [row for cells in groups for row in _earned(results, cells, payers, rewards, measures)]
@@ -96,7 +99,7 @@ def _earned(
     cells: Sequence[Cell],
     payers: Mapping[str, InstalledReward],
     rewards: Sequence[str],
-    measures: Sequence[str],
+    measures: Mapping[str, Bounds],
 ) -> Iterable[Earned]:
     """Random actions, then the policies of each reward, all in one simulator and task."""
     first = cells[0]

@@ -1,12 +1,13 @@
 """The rewards of recorded trainings, and of logs that other programs wrote, beside one another. Trains nothing."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError
 from harness.eta import CANNOT_TELL
+from harness.eta.interval import Bounds
 from harness.eta.laws import Account, Missing, is_left_out
 from harness.eta.manner import ACTED_AT_RANDOM
 from harness.log.log import SUCCESS
@@ -14,10 +15,10 @@ from harness.log.open_log import Found, find_logs
 from harness.registry import unknown_name
 from harness.results.logs.read_logs import account_of, facts_notes, read_trainings, require_comparable
 from harness.results.logs.results_of_logs import sort_found
-from harness.results.logs.told import Told
+from harness.results.logs.told import SUCCESS_DECIDES, Told
 from harness.results.recordings.episodes import LAST_SHARE, count_text
 from harness.results.recordings.recordings import account_of_runs, env_of, read_all
-from harness.results.recordings.runs import NO_NAME, Run
+from harness.results.recordings.runs import NO_NAME, Run, quantities_of
 
 from ..audit import Audit
 from ..questions import (
@@ -157,7 +158,8 @@ def _audit(
     owners = [(run.reward, _name_of(folder, run) if run.facts.seed is None else run.seed) for run in acting]
     success = deciding_measure(judged)
     named = dict.fromkeys(name for run in (*acted, *at_random) for name in run.episodes.behaviour)
-    measures = sorted(named, key=lambda name: name != success)  # all others stay in their order
+    ordered = sorted(named, key=lambda name: name != success)  # all others stay in their order
+    measures = {name: it.ends for name, it in quantities_of(ordered, found, (), SUCCESS_DECIDES).items()}
     chance = [earned_by(RANDOM, [run.episodes for run in at_random], rewards, measures)] if at_random else []
     early, final = _earned(trainings, evaluations, rewards, measures)
     names = [_name_of(folder, run) for run in compared]
@@ -215,7 +217,7 @@ def chosen_rewards(known: Iterable[str], only: Sequence[str], where: str) -> tup
 
 
 def _earned(
-    trainings: Sequence[Run], evaluations: Sequence[Run], rewards: Sequence[str], measures: Sequence[str]
+    trainings: Sequence[Run], evaluations: Sequence[Run], rewards: Sequence[str], measures: Mapping[str, Bounds]
 ) -> tuple[list[Earned], list[Earned]]:
     """By the reward that taught, means of trainings with intervals over them: while learning; of the final policies.
 

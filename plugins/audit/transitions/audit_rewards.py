@@ -10,6 +10,7 @@ import numpy as np
 from gymnasium.wrappers import TimeLimit
 
 from harness.errors import UsageError
+from harness.eta import SHARE, UNBOUNDED
 from harness.log import Log
 from harness.log.log import REWARD
 from harness.record import read_recording
@@ -102,8 +103,9 @@ def audit_rewards(
     pairs, _ = pairs_in([("", it.log) for it in taken], names, forms)
     acting = (RANDOM, *policies)
     by_policy = {policy: [it.of(number, episodes) for it in taken] for number, policy in enumerate(acting)}
-    earned = tuple(earned_by(policy, each, names, tuple(behaviour or {})) for policy, each in by_policy.items())
     everything = [it.episodes for it in taken]
+    measures = {name: SHARE if all(it.is_flag(name) for it in everything) else UNBOUNDED for name in behaviour or {}}
+    earned = tuple(earned_by(policy, each, names, measures) for policy, each in by_policy.items())
     success, count = deciding_measure(everything), sum(len(it.log) for it in taken)
     name = made.spec.id if made.spec is not None else type(made.unwrapped).__name__
     return Audit(
