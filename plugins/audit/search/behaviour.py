@@ -68,8 +68,7 @@ class Rated:
     Attributes:
         policy: As plain data; `act_of` makes it act.
         starts: The seeds of the resets, the same ones for every policy that it is compared with.
-        outcomes: What its episodes came to, one for each start: `mean_interval` of ``held_out`` gives means with 95 %
-            intervals, of the difference between two policies too.
+        outcomes: What its episodes came to, one for each start.
         actions: Those of its first episode.
     """
 

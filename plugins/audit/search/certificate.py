@@ -16,16 +16,17 @@ from pydantic import Field, with_config
 from typing_extensions import TypedDict
 
 from harness import Float, Mask
+from harness.eta import mean_over_seeds
+from harness.eta.headline import estimate_text
 from harness.files import reading
 from harness.files.bounded import read_sealed, seal, write_whole
 from harness.files.plain import to_plain
 from harness.log.log import LARGEST, episode_sum
 from harness.record.file_forms import EXACT, OPEN, Name, Whole, read_form, told_as
-from harness.text import file_stems, number
+from harness.text import file_stems
 
 from .behaviour import Role
 from .film import Film
-from .held_out import mean_interval
 from .place import Place, Text
 from .world import Data, Shown, since
 
@@ -328,9 +329,9 @@ class Certificate:
 
 def rating_text(rating: Data) -> str:
     """What a policy came to on held-out starts, in words."""
-    mean, low, high = map(number, mean_interval(rating["paid"]))
+    paid = estimate_text(mean_over_seeds(list(rating["paid"])))
     count, share = len(rating["starts"]), np.mean(rating["success"])
-    return f"{mean} [{low}, {high}] an episode on {count} held-out starts, success {share:.0%}"
+    return f"{paid} an episode on {count} held-out starts, success {share:.0%}"
 
 
 def write_certificate(certificate: Certificate, path: Path) -> None:

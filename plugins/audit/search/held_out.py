@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness import Ints
-from harness.eta.interval import CONFIDENCE, quantile
+from harness import Float, Ints
+from harness.eta import mean_over_seeds
+from harness.eta.interval import CONFIDENCE
 
 from .behaviour import AS_FAST, Behaviour, Rated, Rates, Role, Searched, Three
 from .linear import LINEAR, act_linear, search_linear
@@ -38,15 +39,6 @@ def act_of(policy: Data, world: World) -> Act:
     space = world.space
     space.seed(policy["seed"])
     return lambda observed: space.sample()
-
-
-def mean_interval(values: NDArray[Any]) -> tuple[float, float, float]:
-    """A mean and its 95 % interval by Student's t: mean, low, high; NaN for low and high of fewer than two."""
-    mean, count = float(np.mean(values)), len(values)
-    if count < 2:
-        return mean, np.nan, np.nan
-    half = float(quantile(CONFIDENCE, count - 1) * np.std(values, ddof=1) / np.sqrt(count))
-    return mean, mean - half, mean + half
 
 
 def share_interval(flags: NDArray[np.bool_]) -> tuple[float, float, float]:
@@ -127,13 +119,18 @@ def three_of(rates: Rates, *, discounted: bool) -> Three:
     surest, found = rates["success"], dict[Role, Behaviour]()
     success, fastest = (_mean_behaviour(it, success=True) for it in (surest, rates["fastest"]))
     pays = [it.outcomes.discounted if discounted else it.outcomes.paid for it in (most, surest)]
-    if mean_interval(pays[0] - pays[1])[1] > 0.0:
+    if _is_above_zero(pays[0] - pays[1]):
         rarer = surest.outcomes.success.astype(float) - most.outcomes.success
-        if rarer.mean() > CLEARLY and mean_interval(rarer)[1] > 0.0:
+        if rarer.mean() > CLEARLY and _is_above_zero(rarer):
             found["failure"] = _mean_behaviour(most, success=False)
         else:
             success = _mean_behaviour(most, success=True)
     return {**found, "success": success, "fastest": fastest}
+
+
+def _is_above_zero(values: Float) -> bool:
+    """Whether the 95 % interval of a mean is."""
+    return (mean_over_seeds(values.tolist()).low or 0.0) > 0.0
 
 
 def _mean_behaviour(rated: Rated, *, success: bool) -> Behaviour:
