@@ -50,12 +50,14 @@ def act_linear(policy: Data, world: World) -> Act:
     weights, mean, scale = (np.asarray(policy[name]) for name in ("weights", "mean", "scale"))
     of, moves, space, size = rows_of(world.observes).of, moves_in(world.space), world.space, len(mean)
     inverse, (rows, columns) = 1.0 / scale, np.triu_indices(size)
+    bias, direct, squared = np.split(weights, [1, 1 + size], axis=1)
+    bias = bias[:, 0]
 
     def act(observed: Any) -> Any:
-        scaled = np.minimum(np.maximum((np.asarray(of(observed), np.float64) - mean) * inverse, -FAR), FAR)
-        told = weights[:, 0] + weights[:, 1 : 1 + size] @ scaled
-        if weights.shape[1] > 1 + size:
-            told += weights[:, 1 + size :] @ (scaled[rows] * scaled[columns])
+        scaled = np.minimum(np.maximum((of(observed) - mean) * inverse, -FAR), FAR)
+        told = bias + direct @ scaled
+        if squared.size:
+            told += squared @ (scaled[rows] * scaled[columns])
         chosen = moves.chosen(told)
         if isinstance(moves, Choices):
             return moves.first + int(chosen)
