@@ -169,9 +169,8 @@ class EnvironmentWorld(World):
         return [observation], self._before[:1]
 
     def step(self, actions: Any) -> Step:
-        taken: Any = np.array(actions[0], self.space.dtype).ravel()
-        if not self.space.shape:
-            taken = taken.item()
+        taken: Any = np.array(actions[0], self.space.dtype)
+        taken = taken.ravel() if self.space.shape else taken.item()
         action = self._coded.decoded(taken)
         observation, pays, terminated, truncated, self._info = self._env.step(action)
         # a copy of the observation; what the reward pays for the step, followed by its terms; what measures tell
