@@ -118,7 +118,7 @@ def auc_of(
     compared, kind = (np.concatenate(it) for it in zip(*((task.rows, task.above) for task in members), strict=True))
     of_above, of_below = (len(np.unique(group[compared[it]])) for it in (kind, ~kind))
     if min(of_above, of_below) < LEAST:
-        noun = "episodes" if count == len(paid) else "independent groups of episodes"
+        noun = "episodes" if count == len(paid) else "groups of episodes, such as one training's or one operator's,"
         reason = f"no interval below {LEAST} {noun} of each kind"
         return Auc(value, None, None, CANNOT_TELL, reason, m, n, count, pairs, len(members))
     spread = _spread(members, value, group)

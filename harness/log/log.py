@@ -86,6 +86,11 @@ def uncountable_text(value: float) -> str:
     return f"{value:g}, no number within {LARGEST:g}"
 
 
+def are_flags(values: Any) -> bool:
+    """Whether all are 0 or 1: what is so in every episode is a share of them."""
+    return bool(np.isin(values, (0.0, 1.0)).all())
+
+
 @dataclass(frozen=True, eq=False)
 class Rows:
     """Consecutive rows of a log, of some of its columns.

@@ -15,7 +15,7 @@ from scipy.special import stdtr
 from harness.arrays import Float
 from harness.errors import SchemaError, one_line
 from harness.eta.laws import Better, direction_of
-from harness.log.log import SUCCESS
+from harness.log.log import SUCCESS, are_flags
 from harness.record.cell import Cell
 from harness.record.folder import TRACE, TRAINING_RECORDING, partial_folder
 from harness.record.progress import LAST_EPISODES
@@ -127,11 +127,6 @@ def _recorded(folder: Path) -> Recorded | None:
 def measure_of(measures: Sequence[str]) -> str:
     """The measure that is shown: success, or the first one; empty without one."""
     return SUCCESS if SUCCESS in measures else next(iter(measures), "")
-
-
-def are_flags(behaviour: Float) -> bool:
-    """Whether each episode's behaviour is 0 or 1."""
-    return bool(np.isin(behaviour, (0.0, 1.0)).all())
 
 
 def hint_of(

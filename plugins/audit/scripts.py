@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.errors import UsageError
-from harness.eta import SHARE, UNBOUNDED
+from harness.eta import SHARE
 from harness.log.log import SUCCESS
 from harness.payoff.rollout import (
     CREEP,
@@ -126,7 +126,7 @@ def audit_reward(
                 rollout.script,
                 [_episodes(rollout, {who: each[at] for who, each in by_name.items()})],
                 tuple(by_name),
-                {SUCCESS: SHARE, STEPS: UNBOUNDED},
+                {SUCCESS: SHARE, STEPS: (0.0, float(max(len(it.running) for it in rollouts)))},
             )
             for at, rollout in enumerate(rollouts)
         ),

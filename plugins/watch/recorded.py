@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from harness import Float, Ints, Mask
 from harness.eta.laws import direction_of
-from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, OpenEpisodes
+from harness.log.log import BEHAVIOUR, REWARD, SUCCESS, OpenEpisodes, are_flags
 from harness.record import TrainingFacts, read_trace
 from harness.record.folder import parts_of
 from harness.record.out_folder import is_held
@@ -25,7 +25,7 @@ from harness.record.recording.recorded_training import (
     recorder_numbers,
 )
 from harness.record.trace import PAID, TERM, paid_in
-from harness.results.under_way import are_flags, hint_of, measure_of
+from harness.results.under_way import hint_of, measure_of
 from harness.reward.steps import ENDS
 
 from .blocks import BEHAVIOUR as BEHAVIOUR_AT, OWN, PAY, Blocks

@@ -47,7 +47,10 @@ NOTHING = np.arange(10) < 5
 REASONS = {
     "there are no episodes of both kinds": (np.ones(5, bool),),
     "no interval below 3 episodes of each kind": (np.arange(8) > 1,),
-    "no interval below 3 independent groups of episodes of each kind": (np.arange(40) > 19, np.arange(40) // 20),
+    "no interval below 3 groups of episodes, such as one training's or one operator's, of each kind": (
+        np.arange(40) > 19,
+        np.arange(40) // 20,
+    ),
     "no task has episodes of both kinds": (NOTHING, None, NOTHING),
 }
 

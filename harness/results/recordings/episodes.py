@@ -1,7 +1,7 @@
 """A training by its finished episodes, whatever log it comes from."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from harness.arrays import Float, Mask
 from harness.errors import SchemaError, UsageError
-from harness.eta.interval import Bounds, are_within
+from harness.eta.interval import SHARE, UNBOUNDED, Bounds, are_within
 from harness.eta.laws import LEAST_POINTS, Curve, Curves, Span, within
 from harness.log import Log
-from harness.log.log import BEHAVIOUR, REWARD, SINCE, TIME, OpenEpisodes, episode_rows
+from harness.log.log import BEHAVIOUR, REWARD, SINCE, SUCCESS, TIME, OpenEpisodes, are_flags, episode_rows
 from harness.record.recording.facts import TrainingFacts, facts_of
 from harness.results.by_term import part_of
 from harness.results.metrics import Measured, Moment, Values
@@ -118,7 +118,7 @@ class Episodes:
 
     def is_flag(self, measure: str) -> bool:
         """Whether a measure is 0 or 1 in every episode that has it: its mean is a share of episodes."""
-        return bool(np.isin(self._known(measure), (0.0, 1.0)).all())
+        return are_flags(self._known(measure))
 
     def is_within(self, measure: str, bounds: Bounds) -> bool:
         """Whether a measure lies within bounds in every episode that has it."""
@@ -127,6 +127,18 @@ class Episodes:
     def _known(self, measure: str) -> Float:
         values: Float = np.asarray(self.behaviour.get(measure, ()))
         return values[~np.isnan(values)]
+
+
+def can_be(measure: str, each: Collection[Episodes], said: Bounds) -> Bounds:
+    """What a measure can be, which no interval of it leaves.
+
+    It is 0 to 1 where the measure is 0 or 1 in every episode. Else it is what was said, or 0 to 1 of success where
+    nothing was. A measure that left this has no bounds.
+    """
+    if all(it.is_flag(measure) for it in each):
+        return SHARE
+    bounds = SHARE if said == UNBOUNDED and measure == SUCCESS else said
+    return bounds if all(it.is_within(measure, bounds) for it in each) else UNBOUNDED
 
 
 @dataclass(frozen=True, eq=False)

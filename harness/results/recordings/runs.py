@@ -13,7 +13,7 @@ import numpy as np
 from harness.arrays import Float
 from harness.errors import Unscored, UsageError
 from harness.eta.behaviour_change import Quantity
-from harness.eta.interval import SHARE, UNBOUNDED
+from harness.eta.interval import UNBOUNDED
 from harness.eta.laws import Better, Missing, direction_of
 from harness.eta.manner import EVALUATION, LAST_FIFTH, WHOLE
 from harness.eta.rescaling import Rescaling, rescaling_of
@@ -26,7 +26,7 @@ from harness.results.by_term import ByTerm
 from harness.results.comparison import Group
 from harness.results.logs.told import RETURN, Deciding
 from harness.results.metrics import Counted, Values
-from harness.results.recordings.episodes import Did, Episodes, Part, episodes_of
+from harness.results.recordings.episodes import Did, Episodes, Part, can_be, episodes_of
 from harness.results.recordings.recording_results import (
     Likeness,
     RecordingResults,
@@ -247,19 +247,14 @@ def quantities_of(
 ) -> dict[str, Quantity]:
     """What measures are, by name.
 
-    A share is 0 or 1 in every episode. Bounds are what the recordings say, if they agree, else 0 to 1 of success; none
-    of a measure that left them.
+    A share is 0 or 1 in every episode. Bounds are what the recordings say, if they agree; see `can_be`.
     """
     everybody = [it for run in runs for it in run.everything]
     found = {}
     for name in names:
         is_flag = all(it.episodes.is_flag(name) for it in everybody)
         said = {run.facts.bounds.get(name, UNBOUNDED) for run in runs}
-        bounds = said.pop() if len(said) == 1 else UNBOUNDED
-        if bounds == UNBOUNDED and name == SUCCESS:
-            bounds = SHARE
-        if not all(it.episodes.is_within(name, bounds) for it in everybody):
-            bounds = UNBOUNDED
+        bounds = can_be(name, [it.episodes for it in everybody], said.pop() if len(said) == 1 else UNBOUNDED)
         better = better_of(name, told, deciding, is_flag=is_flag)
         found[name] = Quantity(name, "", better, "", 1 if is_flag else None, bounds=bounds)
     return found

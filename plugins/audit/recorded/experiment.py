@@ -10,14 +10,13 @@ from harness import load_results
 from harness.cli.output import audits_of
 from harness.errors import Unscored, UsageError
 from harness.eta.headline import SUCCESS
-from harness.eta.interval import Bounds
 from harness.log import Log, LogFacts, in_memory
 from harness.log.log import REWARD, START
-from harness.log.measure import bounds_of
 from harness.record import TRACE, Cell, read_trace
 from harness.registry import Choice
 from harness.results.cell_results import CellResults
 from harness.results.logs.told import Told
+from harness.results.metrics import measure_of
 from harness.results.recordings.episodes import Episodes, Part, count_text
 from harness.results.traces import Traces
 from harness.reward.steps import ENDS
@@ -52,8 +51,7 @@ def audit_experiment(results: Traces, only: Sequence[str]) -> Audit:
     labels = {it.cell.reward.label: it.cell.reward for it in results.manifests if it.status != "skipped"}
     rewards = chosen_rewards(labels, only, f"'{results.folder}'")
     payers, notes = _payers(results, {label: labels[label] for label in rewards})
-    ordered = sorted(results.measures, key=lambda name: name != SUCCESS)  # all others stay in their order
-    measures = {name: bounds_of(results.metrics[name]) for name in ordered}
+    measures = sorted(results.measures, key=lambda name: name != SUCCESS)  # all others stay in their order
     success = SUCCESS if SUCCESS in measures else ""
     groups = [[it for it in cells if not results.is_control(it)] for cells in results.groups.values()]
     earned = [row for cells in groups for row in _earned(results, cells, payers, rewards, measures)]
@@ -99,13 +97,14 @@ def _earned(
     cells: Sequence[Cell],
     payers: Mapping[str, InstalledReward],
     rewards: Sequence[str],
-    measures: Mapping[str, Bounds],
+    names: Sequence[str],
 ) -> Iterable[Earned]:
     """Random actions, then the policies of each reward, all in one simulator and task."""
-    first = cells[0]
+    first, of = cells[0], results.run(cells[0])
+    measures = {it: measure_of(it, results.metrics[it], "", 1, of.manifest, of.longest).ends for it in names}
     where = f" ({first.place.label}, {first.task.label}, {first.learner})" if len(results.groups) > 1 else ""
     values = results.measured(first).random
-    acted = results.run(first).floor_cell
+    acted = of.floor_cell
     floor = {label: acted.floor_returns(it) for label, it in payers.items()} if acted else {}
     if any(map(len, floor.values())):
         count = len(next(iter(floor.values())))

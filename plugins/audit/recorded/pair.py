@@ -10,6 +10,7 @@ import numpy as np
 
 from harness import Float, Ints
 from harness.eta import Estimate, Rescaling, line_of, mean_over_seeds, rescaling_of
+from harness.eta.interval import SHARE, cut_to
 from harness.eta.rescaling import PayLine, rounded
 from harness.files.plain import Plain, tells
 from harness.log import Log
@@ -308,4 +309,5 @@ def mean_within(values: Sequence[float | None]) -> Mean:
     mean = Mean(**vars(mean_over_seeds([value for value in values if value is not None])))
     if mean.low is None or mean.high is None:
         return mean
-    return replace(mean, low=max(mean.low, 0.0), high=min(mean.high, 1.0))
+    low, high = cut_to((mean.low, mean.high), SHARE)
+    return replace(mean, low=low, high=high)

@@ -16,7 +16,7 @@ from harness.environment import AnyEnv
 from harness.errors import UsageError, reason_of
 from harness.eta.laws import direction_of
 from harness.experiment.environments.spaces import ACHIEVED, DESIRED, rows_of
-from harness.log.log import SUCCESS
+from harness.log.log import SUCCESS, are_flags
 from harness.record.dataset.labels import parse_success
 from harness.recorder.column import Column, made_columns
 from harness.recorder.env_facts import Columns
@@ -266,7 +266,7 @@ def _limit_of(env: AnyEnv) -> int:
 def _is_flag(values: Float) -> bool:
     """Whether values, (steps,), of which some may be untold, are 0 or 1."""
     told = values[~np.isnan(values)]
-    return len(told) > 0 and bool(np.isin(told, (0.0, 1.0)).all())
+    return len(told) > 0 and are_flags(told)
 
 
 def of_env(

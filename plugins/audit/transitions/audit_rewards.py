@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium.wrappers import TimeLimit
 
 from harness.errors import UsageError
-from harness.eta import SHARE, UNBOUNDED
+from harness.eta.interval import UNBOUNDED, Bounds
 from harness.log import Log
 from harness.log.log import REWARD
 from harness.record import read_recording
@@ -18,7 +18,7 @@ from harness.record.recording.facts import facts_of
 from harness.recorder.record_rewards import RecordRewards
 from harness.recorder.recorder import differs
 from harness.recorder.sealed import KeepWalks, Walk
-from harness.results.recordings.episodes import Episodes, count_text, episodes_of
+from harness.results.recordings.episodes import Episodes, can_be, count_text, episodes_of
 from harness.reward import Given
 from harness.reward.given import OWN
 
@@ -51,6 +51,7 @@ def audit_rewards(
     steps: int = 1_000,
     seed: int = 0,
     behaviour: ByName | None = None,
+    bounds: Mapping[str, Bounds] | None = None,
     compared: Collection[str] | None = None,
 ) -> Audit:
     """How far apart rewards are: in the steps of random actions and of policies, and as EPIC, DARD and STARC see them.
@@ -68,6 +69,7 @@ def audit_rewards(
         steps: Most of an episode; a longer one is cut.
         seed: Of all that is drawn.
         behaviour: Measures of what policies do, as of `harness.RecordRewards`; no reward enters them.
+        bounds: By name of a measure, the least and the greatest value that it can have.
         compared: Names of the rewards that are told of, ``own`` among them if it is; None for all.
 
     Raises:
@@ -104,7 +106,7 @@ def audit_rewards(
     acting = (RANDOM, *policies)
     by_policy = {policy: [it.of(number, episodes) for it in taken] for number, policy in enumerate(acting)}
     everything = [it.episodes for it in taken]
-    measures = {name: SHARE if all(it.is_flag(name) for it in everything) else UNBOUNDED for name in behaviour or {}}
+    measures = {name: can_be(name, everything, (bounds or {}).get(name, UNBOUNDED)) for name in behaviour or {}}
     earned = tuple(earned_by(policy, each, names, measures) for policy, each in by_policy.items())
     success, count = deciding_measure(everything), sum(len(it.log) for it in taken)
     name = made.spec.id if made.spec is not None else type(made.unwrapped).__name__

@@ -35,6 +35,7 @@ def audited(asked: Asked) -> Answered:
             gamma=gamma,
             episodes=EPISODES if asked.episodes is None else asked.episodes,
             behaviour=columns.behaviour,
+            bounds=columns.bounds,
             compared=tuple(named),
         )
     if env.spec is None:  # what was typed, of a class without an id
